@@ -7,8 +7,11 @@
 #include <vector>
 
 #include "frame/coarse.h"
+#include "frame/refine/observe_gains.h"
+#include "frame/refine/refine.h"
 #include "scenes.h"
 #include "verify/world_access.h"
+#include "world/learned_gains.h"
 
 namespace poise {
 namespace {
@@ -117,6 +120,62 @@ TEST(NearPairs, AreCachedForTheNextStepEachOnceAndWithTheirMotion) {
                           ASSERT_EQ(after.moved_m,
                                     before.moved_m + ((b.moved_m - a.moved_m).norm() + a.turned_m + b.turned_m));
                         });
+  }
+}
+
+// What is known of pairs that are apart holds: that is an observation like any other.
+TEST(NearPairs, ThatAreApartTellHowLongWhatIsKnownHolds) {
+  JackHeap heap;
+  for (int i = 0; i < 280; ++i) heap.stage.world.step(step_of(1.0 / 60));
+  WorldState& world = heap.state();
+  const StepInput input = step_of(1.0 / 60);
+  const auto observed = [&](const PairTable& table) {
+    const simulation::RefineInput of_step{world.scene(),         simulation::terms_of(world.settings, input),
+                                          world.outputs.motion,  table,
+                                          world.settings.policy, input};
+    std::vector<simulation::GainObservation> made;
+    simulation::observe_gains(of_step, world.outputs.levels, made);
+    return made;
+  };
+  const PairTable& table = world.outputs.table;
+  PairTable active_only = table;
+  for (simulation::KnownCount& known : active_only.known_of_chunk) known.apart_begin = 0;
+  ASSERT_EQ(active_only.near_count(), table.size());
+  std::vector<simulation::GainObservation> of_apart = observed(table);
+  of_apart.erase(of_apart.begin(), of_apart.begin() + static_cast<std::ptrdiff_t>(observed(active_only).size()));
+  std::size_t expected = 0;
+  table.for_each_near([](std::size_t) {},
+                      [&](const CachedPair& pair) { expected += pair.level > 0 && pair.frames_waited == 0 ? 1U : 0U; });
+  ASSERT_GT(expected, 50U);
+  ASSERT_EQ(of_apart.size(), expected);
+  for (const simulation::GainObservation& seen : of_apart) {
+    ASSERT_EQ(seen.life, simulation::GainObservation::Life::Valid);
+    ASSERT_GT(seen.life_level, 0U);
+    ASSERT_EQ(seen.level, 0U) << "it was not refined";
+  }
+}
+
+// That a driven body is near is no less so where the two are known not to touch.
+TEST(NearPairs, WhatADrivenBodyIsNearDoesNotWaitAlsoWhereItIsApart) {
+  WorldSettings settings = JackHeap::settings();
+  settings.islands_wait = IslandsWait::NearRest;
+  Stage stage(settings, 0.2);
+  stage.plane(Vec3::UnitZ(), 0);
+  const ShapeId shape = stage.jack();
+  stage.add(shape, Vec3(0, 0, 1));
+  for (int i = 0; i < 240; ++i) stage.world.step(step_of(1.0 / 60));
+  BodyDefinition driven;
+  driven.shape = shape;
+  driven.material = stage.material;
+  driven.motion = MotionType::Kinematic;
+  // Past the arms of the other one.
+  driven.position_m = stage.at(stage.bodies.front()).position_m + Vec3(1.1, 1.1, 0);
+  const BodyId driver = stage.world.add_body(driven).value();
+  for (const double speed_mps : {0.0, 1e-4}) {
+    ASSERT_TRUE(stage.world.set_velocity(driver, Vec3(0, speed_mps, 0), Vec3::Zero()).ok());
+    for (int i = 0; i < 3; ++i) stage.world.step(step_of(1.0 / 60));
+    ASSERT_EQ(simulation::WorldAccess::of(stage.world).outputs.table.apart_count(), 1U);
+    EXPECT_EQ(stage.world.step(hopeless()).degraded.bodies_held, speed_mps > 0 ? 0U : 1U);
   }
 }
 

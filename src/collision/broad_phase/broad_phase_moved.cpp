@@ -158,14 +158,14 @@ std::optional<BroadPhase::Result> BroadPhase::find_moved(std::span<const MotionB
     found.flush();
   });
   const std::size_t count = points.take(0);
-  if (too_many.take(0) > 0 || count > found_.size() || pair_count_ + count > limits.of_all) return std::nullopt;
+  const std::size_t room = std::min(found_pairs_ + found_pairs_ / kAddedShare, limits.of_all);
+  if (too_many.take(0) > 0 || count > found_.size() || pair_count_ + count > room) return std::nullopt;
 
   // One of the grid may be found where it was and where it is. There are few, however many bodies there are.
   const auto first = found_.begin();
   std::sort(first, first + static_cast<std::ptrdiff_t>(count), in_order);
   const auto past = std::unique(first, first + static_cast<std::ptrdiff_t>(count));
   const auto added = std::span<const CandidatePair>(found_).first(static_cast<std::size_t>(past - first));
-  if (pair_count_ + added.size() > found_pairs_ + found_pairs_ / kAddedShare) return std::nullopt;
   if (!gain(added, planes, most, executor)) return std::nullopt;
   if (!added.empty()) insert_pairs(added, executor);
   Result result;
