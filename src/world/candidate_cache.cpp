@@ -76,6 +76,7 @@ collision::BroadPhase::Result CandidateCache::find(
     const collision::RestingGrid& resting, const collision::PartnerLimits& limits, parallel::Executor& executor) {
   if (!swept.empty()) {
     bounds_.clear();
+    wide_ = false;
     return broad_phase.find(bounds, planes, limits, executor, swept, &resting);
   }
   const Look seen = look(bounds, planes, executor);

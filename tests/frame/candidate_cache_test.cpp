@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -91,6 +92,17 @@ TEST(CandidateCache, OfAFewThatLeaveTheirBoundsThePairsAreLookedForOneByOne) {
     }
   }
   EXPECT_EQ(anew, 0U);
+}
+
+TEST(CandidateCache, NothingIsLeftOfAStepWithSweptBodies) {
+  const auto executor = parallel::make_executor(ExecutorKind::Serial, 1);
+  collision::BroadPhase broad_phase;
+  CandidateCache cached;
+  const std::vector<MotionBound> bounds = cloud(300);
+  for (int frame = 0; frame < 3; ++frame) cached.find(broad_phase, bounds, {}, {}, {}, {256}, *executor);
+  const std::vector<collision::SweptBound> swept = {{bounds.front(), Vec3(3, 0, 0)}};
+  cached.find(broad_phase, std::span(bounds).subspan(1), {}, swept, {}, {256}, *executor);
+  EXPECT_TRUE(cached.find(broad_phase, {}, {}, {}, {}, {256}, *executor).pairs.empty());
 }
 
 TEST(CandidateCache, AreFoundAnewWhenABodyComesOrChangesItsGroup) {

@@ -90,10 +90,10 @@ class BroadPhase {
               parallel::Executor& executor, std::span<const SweptBound> swept = {},
               const RestingGrid* resting = nullptr);
   /// What find() found, and the pairs of bounds that are elsewhere since: those of a few are looked for one by one.
-  /// Pairs that no longer overlap stay. `moved` are their numbers in `bounds`, ascending; the others are as they were.
-  /// Empty, and to be found anew, where more than most_moved(bounds) are elsewhere since find(), where they have added
-  /// more than a sixteenth of its pairs, or so that pairs might have to be discarded. There must be no swept bodies.
-  /// The same result on any number of threads.
+  /// Pairs that no longer overlap stay. `moved` are their numbers in `bounds`, ascending; all others, the planes and
+  /// what rests are as they were. Empty where more than most_moved(bounds) are elsewhere since find(), where they have
+  /// added more than a sixteenth of its pairs, or where pairs are likely to have to be discarded: find() must be called
+  /// then. There must be no swept bodies. The same result on any number of threads.
   std::optional<Result> find_moved(std::span<const MotionBound> bounds, std::span<const std::uint32_t> moved,
                                    std::span<const PlaneBound> planes, const PartnerLimits& limits,
                                    parallel::Executor& executor, const RestingGrid* resting = nullptr);

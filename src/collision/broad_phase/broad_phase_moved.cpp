@@ -38,6 +38,7 @@ bool BroadPhase::find_partners_anywhere(const MotionBound& self, std::span<const
   partners.clear();
   RangeList& ranges = scratch.ranges;
   ranges.count = scratch.of_own_grid = 0;
+  if (!self.center_m.allFinite()) return false;
   for (const int grid : used_grids_) {
     if (!list_grid(self.center_m, self.radius_m, grid, ranges)) return false;
   }
@@ -45,6 +46,7 @@ bool BroadPhase::find_partners_anywhere(const MotionBound& self, std::span<const
   std::size_t count = 0;
   for (const NearRange& range : listed) count += range.end - range.begin;
   if (count > room) return false;
+  room -= static_cast<std::uint32_t>(count);
   const NearCount near =
       list_near(near_.balls(), near_ball(self.center_m, self.radius_m, false), listed, scratch.hits.data());
   const auto add = [&](const auto& other) {
@@ -72,8 +74,8 @@ bool BroadPhase::find_partners_anywhere(const MotionBound& self, std::span<const
   return left == 0;
 }
 
-// Counts what is added as partners of both. False if any body may now have more than find() would keep; of those with
-// planes it leaves out none.
+// Counts what is added as partners of both, but for planes, of which find() leaves out none. False if a body has come
+// to more partners than may be kept, if no pair has changed from one body's search to the other's.
 bool BroadPhase::gain(std::span<const CandidatePair> added, std::span<const PlaneBound> planes, std::size_t most,
                       parallel::Executor& executor) {
   for (const Scratch& scratch : scratch_) most_found_ = std::max(most_found_, scratch.most_found);
@@ -127,8 +129,8 @@ std::optional<BroadPhase::Result> BroadPhase::find_moved(std::span<const MotionB
   std::set_difference(moved_.begin(), moved_.end(), moved.begin(), moved.end(), std::back_inserter(moved_before_));
   moved_.clear();
   std::merge(moved_before_.begin(), moved_before_.end(), moved.begin(), moved.end(), std::back_inserter(moved_));
-  if (moved_.size() > most_moved(bounds.size())) return std::nullopt;
   const std::uint32_t most = limits.crowds != nullptr ? CrowdedBodies::kLeast : limits.of_body;
+  if (moved_.size() > most_moved(bounds.size()) || most_found_ > most) return std::nullopt;
   make_scratch(bounds.size(), limits.of_body, executor);
   parallel::Tickets points;
   parallel::Tickets too_many;
@@ -150,9 +152,8 @@ std::optional<BroadPhase::Result> BroadPhase::find_moved(std::span<const MotionB
       for (const Partner& partner : scratch.resting) add(self.slot, partner.slot);
       if (!self.dynamic) continue;
       for (const PlaneBound& plane : planes) {
-        if (plane.normal.dot(self.center_m) - plane.height_m < self.radius_m &&
-            meet(self.group, self.collides_with, plane.group, plane.collides_with))
-          add(self.slot, plane.slot);
+        if (plane.normal.dot(self.center_m) - plane.height_m >= self.radius_m) continue;
+        if (meet(self.group, self.collides_with, plane.group, plane.collides_with)) add(self.slot, plane.slot);
       }
     }
     found.flush();
@@ -161,7 +162,7 @@ std::optional<BroadPhase::Result> BroadPhase::find_moved(std::span<const MotionB
   const std::size_t room = std::min(found_pairs_ + found_pairs_ / kAddedShare, limits.of_all);
   if (too_many.take(0) > 0 || count > found_.size() || pair_count_ + count > room) return std::nullopt;
 
-  // One of the grid may be found where it was and where it is. There are few, however many bodies there are.
+  // One of the grid may be found where it was and where it is. These are few beside all pairs.
   const auto first = found_.begin();
   std::sort(first, first + static_cast<std::ptrdiff_t>(count), in_order);
   const auto past = std::unique(first, first + static_cast<std::ptrdiff_t>(count));

@@ -86,7 +86,7 @@ bool BroadPhase::list_grid(const Vec3& center_m, double radius_m, int grid, Rang
   constexpr double kRounding = 1e-15;
   const Grid& of = grids_[static_cast<std::size_t>(grid)];
   const double reach = radius_m + 0.5 * of.widest_m;
-  if (2 * reach * of.cells_per_m > kBlockRow / 2.0) return false;
+  if (!(2 * reach * of.cells_per_m <= kBlockRow / 2.0)) return false;
   const Vec3 around = Vec3::Constant((1.0 + kRounding) * reach) + kRounding * center_m.cwiseAbs();
   const Vec3 low = center_m - around;
   const Vec3 high = center_m + around;
@@ -173,7 +173,6 @@ void BroadPhase::search(std::uint32_t entry, std::span<const PlaneBound> planes,
   if (limits.crowds != nullptr) most = std::min(most, most_tests_of_crowded());
   std::uint32_t room = most;
   std::size_t left = find_partners(entry, room, resting, scratch);
-  scratch.most_found = std::max(scratch.most_found, scratch.found());
   if (limits.crowds != nullptr && (left > 0 || scratch.found() > CrowdedBodies::kLeast)) {
     const std::uint32_t outside = limits.crowds->most_partners(self.slot);
     if (left > 0 && scratch.found() <= outside) {
@@ -186,6 +185,7 @@ void BroadPhase::search(std::uint32_t entry, std::span<const PlaneBound> planes,
   }
   found.discarded += left;
   found.looked_at += most - room;
+  scratch.most_found = std::max(scratch.most_found, scratch.found());
   keep_nearest(self, partners, scratch, found);
   if (!self.dynamic) return;
   for (const PlaneBound& plane : planes) {
@@ -194,7 +194,7 @@ void BroadPhase::search(std::uint32_t entry, std::span<const PlaneBound> planes,
   }
 }
 
-// As much for each worker as any search may need, so that no later step has to allocate.
+// As much for each worker as any search of find() may need, so that no later step has to allocate.
 void BroadPhase::make_scratch(std::size_t bounds, std::uint32_t max_partners, parallel::Executor& executor) {
   constexpr std::size_t kRangesOfGrid = 32;
   const std::size_t hits = std::min<std::size_t>(bounds, most_tests(max_partners)) + NearBalls::kPast;
