@@ -245,8 +245,7 @@ TEST(MovedBounds, OfPlanesNoPartnersAreLeftOut) {
   }
 }
 
-// Where a search in a crowd looks at few first, and then at more because these told of no crowd, what it found then
-// counts.
+// Where crowds are thinned out a body may keep few partners for sure.
 TEST(MovedBounds, InACrowdAllAreFoundAnew) {
   struct Crowds final : CrowdedBodies {
     [[nodiscard]] std::uint32_t most_partners(std::uint32_t /*slot*/) const override { return 300; }

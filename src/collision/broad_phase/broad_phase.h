@@ -155,7 +155,7 @@ class BroadPhase {
     Cell around;                      // the cell around which these lie
     std::vector<std::uint32_t> hits;  // entries; the first `partners` are its partners
     std::size_t partners = 0;
-    std::vector<Partner> resting;  // those among the bounds at rest
+    std::vector<Partner> resting;  // those among the bounds at rest; of find_moved() all
     std::size_t most_found = 0;    // by a search
     [[nodiscard]] std::size_t found() const { return partners + resting.size(); }
   };

@@ -74,8 +74,9 @@ bool BroadPhase::find_partners_anywhere(const MotionBound& self, std::span<const
   return left == 0;
 }
 
-// Counts what is added as partners of both, but for planes, of which find() leaves out none. False if a body has come
-// to more partners than may be kept, if no pair has changed from one body's search to the other's.
+// Counts what is added as partners of both; planes are not counted, since find() leaves out none. False if a body may
+// have come to more partners than it may keep. (A pair that find() would now find by the other body's search is counted
+// where it was, so a body at the limit may have a partner or so too many.)
 bool BroadPhase::gain(std::span<const CandidatePair> added, std::span<const PlaneBound> planes, std::size_t most,
                       parallel::Executor& executor) {
   for (const Scratch& scratch : scratch_) most_found_ = std::max(most_found_, scratch.most_found);
