@@ -52,19 +52,21 @@ void begin_bins(std::span<const BinRange> used, std::vector<std::array<std::uint
 
 }  // namespace
 
-// The bin of an edge: the first colour of its kind that is free at both bodies, where it is then used, and the rank,
-// the highest first. Edges without a colour keep their order.
+// The bin of an edge: the first colour of its kind that is free at both bodies, where it is then used, the part of the
+// slots, and the rank, the highest first. Edges without a colour keep their order.
 std::uint16_t Coloring::pick(const Edge& edge) {
   constexpr std::uint64_t kGrounded = ~std::uint64_t{0} << (kColors - kGroundColors);
   const bool grounded = !(edge.dynamic_a && edge.dynamic_b);
   const std::uint64_t used =
       (edge.dynamic_a ? used_[edge.a] : 0) | (edge.dynamic_b ? used_[edge.b] : 0) | (grounded ? ~kGrounded : kGrounded);
   const auto color = static_cast<std::uint32_t>(std::countr_one(used));
-  if (color == kColors) return kColors * kRanks;
+  if (color == kColors) return static_cast<std::uint16_t>(kColors * bins_of_color());
   const std::uint64_t mark = std::uint64_t{1} << color;
   if (edge.dynamic_a) used_[edge.a] |= mark;
   if (edge.dynamic_b) used_[edge.b] |= mark;
-  return static_cast<std::uint16_t>(color * kRanks + kRanks - 1 - edge.rank);
+  const std::uint32_t low = std::min(edge.dynamic_a ? edge.a : edge.b, edge.dynamic_b ? edge.b : edge.a);
+  const std::uint32_t part = part_bits_ > 0 ? low >> part_shift_ : 0;
+  return static_cast<std::uint16_t>(((color << part_bits_) + part) * kRanks + kRanks - 1 - edge.rank);
 }
 
 void Coloring::reserve_tiles() {
@@ -73,6 +75,7 @@ void Coloring::reserve_tiles() {
   waiting_.reserve(kTiles);
   phase_tiles_.reserve(kTiles);
   phase_begin_.reserve(kTiles + 1);
+  colors_of_tile_.reserve(kTiles);
 }
 
 void Coloring::sort_into_tiles(std::span<const Edge> edges, const parallel::Ranges& ranges,
@@ -123,15 +126,24 @@ void Coloring::plan_phases() {
   }
 }
 
-void Coloring::color_tiles(std::span<const Edge> edges, parallel::Executor& executor) {
+std::uint64_t Coloring::color_tiles(std::span<const Edge> edges, parallel::Executor& executor) {
+  colors_of_tile_.assign(kTiles, 0);
   for (std::size_t phase = 0; phase + 1 < phase_begin_.size(); ++phase) {
     const std::size_t first = phase_begin_[phase];
     parallel::parallel_for(executor, phase_begin_[phase + 1] - first, 1, [&](std::size_t k, std::size_t, int) {
       const std::uint16_t tile = phase_tiles_[first + k];
-      for (std::uint32_t at = tile_begin_[tile]; at < tile_begin_[tile + 1U]; ++at)
-        bin_of_[by_tile_[at]] = pick(edges[by_tile_[at]]);
+      std::uint64_t colors = 0;
+      for (std::uint32_t at = tile_begin_[tile]; at < tile_begin_[tile + 1U]; ++at) {
+        const std::uint16_t bin = pick(edges[by_tile_[at]]);
+        bin_of_[by_tile_[at]] = bin;
+        colors |= color_bit(bin);
+      }
+      colors_of_tile_[tile] = colors;
     });
   }
+  std::uint64_t all = 0;
+  for (const std::uint64_t colors : colors_of_tile_) all |= colors;
+  return all;
 }
 
 void Coloring::sort_by_color(std::uint64_t colors, const parallel::Ranges& ranges, parallel::Executor& executor) {
@@ -140,9 +152,9 @@ void Coloring::sort_by_color(std::uint64_t colors, const parallel::Ranges& range
   std::size_t used = 0;
   for (; colors != 0; colors &= colors - 1) {
     const auto color = static_cast<std::size_t>(std::countr_zero(colors));
-    bins[used++] = {color * kRanks, (color + 1) * kRanks};
+    bins[used++] = {color * bins_of_color(), (color + 1) * bins_of_color()};
   }
-  bins[used++] = {kBins - kRanks, kBins};
+  bins[used++] = {kColors * bins_of_color(), kColors * bins_of_color() + kRanks};
   const std::span<const BinRange> all(bins.data(), used);
   bin_counts_.resize(ranges.count);
   parallel::for_ranges(executor, ranges, [&](std::size_t range, std::size_t begin, std::size_t end) {
@@ -168,20 +180,24 @@ void Coloring::color(std::span<const Edge> edges, std::size_t bodies, parallel::
   bin_of_.resize(edges.size());
   order_.resize(edges.size());
   const parallel::Ranges ranges = ranges_of(edges.size(), executor);
-  std::uint64_t colors = ~std::uint64_t{0};
+  std::uint64_t colors = 0;
+  part_bits_ = edges.size() < kTiledEdges ? 0 : kPartBits;
   if (edges.size() < kTiledEdges) {
-    colors = 0;
     for (std::size_t i = 0; i < edges.size(); ++i) {
       bin_of_[i] = pick(edges[i]);
-      if (bin_of_[i] < kColors * kRanks) colors |= std::uint64_t{1} << (bin_of_[i] / kRanks);
+      colors |= color_bit(bin_of_[i]);
     }
   } else {
-    body_shift_ = std::max(static_cast<int>(std::bit_width(bodies - 1)) - std::countr_zero(kBodyRanges), 0);
+    const auto shift_to = [bits = static_cast<int>(std::bit_width(bodies - 1))](int left) {
+      return std::max(bits - left, 0);
+    };
+    body_shift_ = shift_to(std::countr_zero(kBodyRanges));
+    part_shift_ = shift_to(kPartBits);
     tile_of_.resize(edges.size());
     by_tile_.resize(edges.size());
     sort_into_tiles(edges, ranges, executor);
     plan_phases();
-    color_tiles(edges, executor);
+    colors = color_tiles(edges, executor);
   }
   sort_by_color(colors, ranges, executor);
 }

@@ -14,8 +14,10 @@
 namespace poise::solver {
 
 /// Order of rows such that no two rows of one colour share a dynamic body; within a colour by rank, the highest first.
-/// Deterministic for the rows' order, whatever the number of threads. Invariant: begin has one more entry than there
-/// are colours; rows of the last stretch, if any, share bodies.
+/// Of many rows, those of each colour are ordered by eighths of the body slots first, so that the thread that takes a
+/// part of a colour finds in its cache the bodies that it has written in the last one. Deterministic for the rows'
+/// order, whatever the number of threads. Invariant: begin has one more entry than there are colours; rows of the last
+/// stretch, if any, share bodies.
 ///
 /// Each row gets the first colour that is free at both bodies, rows with a body that is not dynamic one of the last
 /// colours. Many rows are coloured in parallel: bodies are divided
@@ -58,15 +60,23 @@ class Coloring {
  private:
   static constexpr std::size_t kBodyRanges = 32;
   static constexpr std::size_t kTiles = kBodyRanges * kBodyRanges;
-  static constexpr std::size_t kBins = std::size_t{kColors + 1} * kRanks;  // a colour and rank each
+  static constexpr int kPartBits = 3;  // of the slots, in eighths; chosen (docs/performance.md)
+  static constexpr std::size_t kBins = std::size_t{kColors + 1} * (kRanks << kPartBits);  // a colour, part, rank each
   using TileCounts = std::array<std::uint32_t, kTiles>;
   using BinCounts = std::array<std::uint32_t, kBins>;
 
+  [[nodiscard]] std::size_t bins_of_color() const { return std::size_t{kRanks} << part_bits_; }
+  // A bit by colour; none of what has no colour.
+  [[nodiscard]] std::uint64_t color_bit(std::uint16_t bin) const {
+    const std::size_t color = bin / kRanks >> part_bits_;
+    return color < kColors ? std::uint64_t{1} << color : 0;
+  }
   std::uint16_t pick(const Edge& edge);
   void reserve_tiles();
   void sort_into_tiles(std::span<const Edge> edges, const parallel::Ranges& ranges, parallel::Executor& executor);
   void plan_phases();
-  void color_tiles(std::span<const Edge> edges, parallel::Executor& executor);
+  // Returns which colours they have, a bit each.
+  std::uint64_t color_tiles(std::span<const Edge> edges, parallel::Executor& executor);
   /// `colors`: a bit for each that edges may have.
   void sort_by_color(std::uint64_t colors, const parallel::Ranges& ranges, parallel::Executor& executor);
 
@@ -78,7 +88,10 @@ class Coloring {
   std::array<std::uint32_t, kTiles + 1> tile_begin_;  // in by_tile_
   std::vector<std::uint16_t> waiting_, phase_tiles_;  // tiles
   std::vector<std::size_t> phase_begin_;              // in phase_tiles_
+  std::vector<std::uint64_t> colors_of_tile_;         // a bit by colour
   int body_shift_ = 0;                                // a body's range is its slot without so many bits
+  int part_bits_ = 0;                                 // of the edges that are coloured: few have one part
+  int part_shift_ = 0;                                // as body_shift_, of a part
   parallel::UnsetVector<std::uint32_t> order_;
   std::vector<std::size_t> begin_ = {0};
 };
