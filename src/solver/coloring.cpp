@@ -8,12 +8,15 @@
 namespace poise::solver {
 namespace {
 
-// Ranges of edges whose counts are summed up one after another between two loops.
-constexpr std::size_t kEdgeRanges = 16;
+// Ranges of edges whose counts are summed up one after another between two loops: no more than the threads need.
+constexpr std::size_t kEdgeRanges = 16, kRangesOfThread = 2;
+// Phases with fewer edges are coloured by the calling thread: that takes no longer than to begin and end a loop.
+constexpr std::size_t kEdgesAlone = 256;
 
 parallel::Ranges ranges_of(std::size_t edges, const parallel::Executor& executor) {
-  const bool alone = executor.concurrency() == 1 || edges < Coloring::kTiledEdges;
-  return {edges, alone ? std::max<std::size_t>(edges, 1) : std::max(Coloring::kTiledEdges / 4, edges / kEdgeRanges)};
+  if (executor.concurrency() == 1 || edges < Coloring::kTiledEdges) return {edges, std::max<std::size_t>(edges, 1)};
+  const std::size_t ranges = std::min(kEdgeRanges, kRangesOfThread * static_cast<std::size_t>(executor.concurrency()));
+  return {edges, std::max(Coloring::kTiledEdges / 4, edges / ranges)};
 }
 
 // Bins that follow each other.
@@ -126,19 +129,27 @@ void Coloring::plan_phases() {
   }
 }
 
+std::uint64_t Coloring::color_tile(std::span<const Edge> edges, std::uint16_t tile) {
+  std::uint64_t colors = 0;
+  for (std::uint32_t at = tile_begin_[tile]; at < tile_begin_[tile + 1U]; ++at) {
+    const std::uint16_t bin = pick(edges[by_tile_[at]]);
+    bin_of_[by_tile_[at]] = bin;
+    colors |= color_bit(bin);
+  }
+  return colors;
+}
+
 std::uint64_t Coloring::color_tiles(std::span<const Edge> edges, parallel::Executor& executor) {
   colors_of_tile_.assign(kTiles, 0);
   for (std::size_t phase = 0; phase + 1 < phase_begin_.size(); ++phase) {
-    const std::size_t first = phase_begin_[phase];
-    parallel::parallel_for(executor, phase_begin_[phase + 1] - first, 1, [&](std::size_t k, std::size_t, int) {
-      const std::uint16_t tile = phase_tiles_[first + k];
-      std::uint64_t colors = 0;
-      for (std::uint32_t at = tile_begin_[tile]; at < tile_begin_[tile + 1U]; ++at) {
-        const std::uint16_t bin = pick(edges[by_tile_[at]]);
-        bin_of_[by_tile_[at]] = bin;
-        colors |= color_bit(bin);
-      }
-      colors_of_tile_[tile] = colors;
+    const std::span<const std::uint16_t> tiles =
+        std::span(phase_tiles_).subspan(phase_begin_[phase], phase_begin_[phase + 1] - phase_begin_[phase]);
+    std::size_t count = 0;
+    for (const std::uint16_t tile : tiles) count += tile_begin_[tile + 1U] - tile_begin_[tile];
+    const std::size_t grain = count < kEdgesAlone ? tiles.size() : 1;
+    parallel::parallel_for(executor, tiles.size(), grain, [&](std::size_t begin, std::size_t end, int) {
+      for (const std::uint16_t tile : tiles.subspan(begin, end - begin))
+        colors_of_tile_[tile] = color_tile(edges, tile);
     });
   }
   std::uint64_t all = 0;

@@ -75,7 +75,8 @@ class Coloring {
   void reserve_tiles();
   void sort_into_tiles(std::span<const Edge> edges, const parallel::Ranges& ranges, parallel::Executor& executor);
   void plan_phases();
-  // Returns which colours they have, a bit each.
+  // Both return which colours they have, a bit each.
+  std::uint64_t color_tile(std::span<const Edge> edges, std::uint16_t tile);
   std::uint64_t color_tiles(std::span<const Edge> edges, parallel::Executor& executor);
   /// `colors`: a bit for each that edges may have.
   void sort_by_color(std::uint64_t colors, const parallel::Ranges& ranges, parallel::Executor& executor);
