@@ -8,6 +8,9 @@
 namespace poise::solver {
 namespace {
 
+// A bit by colour; none of what has no colour.
+std::uint64_t bit_of(std::uint32_t color) { return color < Coloring::kColors ? std::uint64_t{1} << color : 0; }
+
 // Ranges of edges whose counts are summed up one after another between two loops: no more than the threads need.
 constexpr std::size_t kEdgeRanges = 16, kRangesOfThread = 2;
 // Phases with fewer edges are coloured by the calling thread: that takes no longer than to begin and end a loop.
@@ -55,21 +58,29 @@ void begin_bins(std::span<const BinRange> used, std::vector<std::array<std::uint
 
 }  // namespace
 
-// The bin of an edge: the first colour of its kind that is free at both bodies, where it is then used, the part of the
-// slots, and the rank, the highest first. Edges without a colour keep their order.
-std::uint16_t Coloring::pick(const Edge& edge) {
+// The first colour of its kind that is free at both bodies of an edge, where it is then used; kColors if there is none.
+std::uint32_t Coloring::pick(const Edge& edge) {
   constexpr std::uint64_t kGrounded = ~std::uint64_t{0} << (kColors - kGroundColors);
   const bool grounded = !(edge.dynamic_a && edge.dynamic_b);
   const std::uint64_t used =
       (edge.dynamic_a ? used_[edge.a] : 0) | (edge.dynamic_b ? used_[edge.b] : 0) | (grounded ? ~kGrounded : kGrounded);
   const auto color = static_cast<std::uint32_t>(std::countr_one(used));
-  if (color == kColors) return static_cast<std::uint16_t>(kColors * bins_of_color());
+  if (color == kColors) return color;
   const std::uint64_t mark = std::uint64_t{1} << color;
   if (edge.dynamic_a) used_[edge.a] |= mark;
   if (edge.dynamic_b) used_[edge.b] |= mark;
-  const std::uint32_t low = std::min(edge.dynamic_a ? edge.a : edge.b, edge.dynamic_b ? edge.b : edge.a);
-  const std::uint32_t part = part_bits_ > 0 ? low >> part_shift_ : 0;
-  return static_cast<std::uint16_t>(((color << part_bits_) + part) * kRanks + kRanks - 1 - edge.rank);
+  return color;
+}
+
+// Of the bins of a colour: parts of the slots, and in each the ranks, the highest first. Edges without a colour share
+// one bin, and so keep their order.
+template <unsigned kPartCount>
+std::uint16_t Coloring::bin_of(const Edge& edge, std::uint32_t color) const {
+  if (color == kColors) return static_cast<std::uint16_t>(color * kPartCount * kRanks);
+  std::uint32_t part = 0;
+  if constexpr (kPartCount > 1)
+    part = std::min(edge.dynamic_a ? edge.a : edge.b, edge.dynamic_b ? edge.b : edge.a) >> part_shift_;
+  return static_cast<std::uint16_t>((color * kPartCount + part) * kRanks + kRanks - 1 - edge.rank);
 }
 
 void Coloring::reserve_tiles() {
@@ -132,9 +143,10 @@ void Coloring::plan_phases() {
 std::uint64_t Coloring::color_tile(std::span<const Edge> edges, std::uint16_t tile) {
   std::uint64_t colors = 0;
   for (std::uint32_t at = tile_begin_[tile]; at < tile_begin_[tile + 1U]; ++at) {
-    const std::uint16_t bin = pick(edges[by_tile_[at]]);
-    bin_of_[by_tile_[at]] = bin;
-    colors |= color_bit(bin);
+    const std::uint32_t edge = by_tile_[at];
+    const std::uint32_t color = pick(edges[edge]);
+    bin_of_[edge] = bin_of<kParts>(edges[edge], color);
+    colors |= bit_of(color);
   }
   return colors;
 }
@@ -157,15 +169,16 @@ std::uint64_t Coloring::color_tiles(std::span<const Edge> edges, parallel::Execu
   return all;
 }
 
-void Coloring::sort_by_color(std::uint64_t colors, const parallel::Ranges& ranges, parallel::Executor& executor) {
+void Coloring::sort_by_color(std::uint64_t colors, std::size_t bins_of_color, const parallel::Ranges& ranges,
+                             parallel::Executor& executor) {
   // A few edges have a few of the colours. Those without one come last.
   std::array<BinRange, kColors + 1> bins;
   std::size_t used = 0;
   for (; colors != 0; colors &= colors - 1) {
     const auto color = static_cast<std::size_t>(std::countr_zero(colors));
-    bins[used++] = {color * bins_of_color(), (color + 1) * bins_of_color()};
+    bins[used++] = {color * bins_of_color, (color + 1) * bins_of_color};
   }
-  bins[used++] = {kColors * bins_of_color(), kColors * bins_of_color() + kRanks};
+  bins[used++] = {kColors * bins_of_color, kColors * bins_of_color + kRanks};
   const std::span<const BinRange> all(bins.data(), used);
   bin_counts_.resize(ranges.count);
   parallel::for_ranges(executor, ranges, [&](std::size_t range, std::size_t begin, std::size_t end) {
@@ -191,26 +204,26 @@ void Coloring::color(std::span<const Edge> edges, std::size_t bodies, parallel::
   bin_of_.resize(edges.size());
   order_.resize(edges.size());
   const parallel::Ranges ranges = ranges_of(edges.size(), executor);
-  std::uint64_t colors = 0;
-  part_bits_ = edges.size() < kTiledEdges ? 0 : kPartBits;
   if (edges.size() < kTiledEdges) {
+    std::uint64_t colors = 0;
     for (std::size_t i = 0; i < edges.size(); ++i) {
-      bin_of_[i] = pick(edges[i]);
-      colors |= color_bit(bin_of_[i]);
+      const std::uint32_t color = pick(edges[i]);
+      bin_of_[i] = bin_of<1>(edges[i], color);
+      colors |= bit_of(color);
     }
-  } else {
-    const auto shift_to = [bits = static_cast<int>(std::bit_width(bodies - 1))](int left) {
-      return std::max(bits - left, 0);
-    };
-    body_shift_ = shift_to(std::countr_zero(kBodyRanges));
-    part_shift_ = shift_to(kPartBits);
-    tile_of_.resize(edges.size());
-    by_tile_.resize(edges.size());
-    sort_into_tiles(edges, ranges, executor);
-    plan_phases();
-    colors = color_tiles(edges, executor);
+    sort_by_color(colors, kRanks, ranges, executor);
+    return;
   }
-  sort_by_color(colors, ranges, executor);
+  const auto shift_to = [bits = static_cast<int>(std::bit_width(bodies - 1))](int left) {
+    return std::max(bits - left, 0);
+  };
+  body_shift_ = shift_to(std::countr_zero(kBodyRanges));
+  part_shift_ = shift_to(std::countr_zero(kParts));
+  tile_of_.resize(edges.size());
+  by_tile_.resize(edges.size());
+  sort_into_tiles(edges, ranges, executor);
+  plan_phases();
+  sort_by_color(color_tiles(edges, executor), kParts * kRanks, ranges, executor);
 }
 
 void Coloring::color(std::span<const Edge> edges, std::size_t bodies) {

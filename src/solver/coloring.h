@@ -60,26 +60,23 @@ class Coloring {
  private:
   static constexpr std::size_t kBodyRanges = 32;
   static constexpr std::size_t kTiles = kBodyRanges * kBodyRanges;
-  static constexpr int kPartBits = 3;  // of the slots, in eighths; chosen (docs/performance.md)
-  static constexpr std::size_t kBins = std::size_t{kColors + 1} * (kRanks << kPartBits);  // a colour, part, rank each
+  static constexpr unsigned kParts = 8;  // of the slots; chosen (docs/performance.md)
+  static constexpr std::size_t kBins = std::size_t{kColors + 1} * kParts * kRanks;  // a colour, part and rank each
   using TileCounts = std::array<std::uint32_t, kTiles>;
   using BinCounts = std::array<std::uint32_t, kBins>;
 
-  [[nodiscard]] std::size_t bins_of_color() const { return std::size_t{kRanks} << part_bits_; }
-  // A bit by colour; none of what has no colour.
-  [[nodiscard]] std::uint64_t color_bit(std::uint16_t bin) const {
-    const std::size_t color = bin / kRanks >> part_bits_;
-    return color < kColors ? std::uint64_t{1} << color : 0;
-  }
-  std::uint16_t pick(const Edge& edge);
+  std::uint32_t pick(const Edge& edge);
+  template <unsigned kPartCount>
+  [[nodiscard]] std::uint16_t bin_of(const Edge& edge, std::uint32_t color) const;
   void reserve_tiles();
   void sort_into_tiles(std::span<const Edge> edges, const parallel::Ranges& ranges, parallel::Executor& executor);
   void plan_phases();
   // Both return which colours they have, a bit each.
   std::uint64_t color_tile(std::span<const Edge> edges, std::uint16_t tile);
   std::uint64_t color_tiles(std::span<const Edge> edges, parallel::Executor& executor);
-  /// `colors`: a bit for each that edges may have.
-  void sort_by_color(std::uint64_t colors, const parallel::Ranges& ranges, parallel::Executor& executor);
+  /// `colors`: a bit for each that edges have.
+  void sort_by_color(std::uint64_t colors, std::size_t bins_of_color, const parallel::Ranges& ranges,
+                     parallel::Executor& executor);
 
   std::vector<std::uint64_t> used_;  // one a body: bit by colour
   parallel::UnsetVector<std::uint16_t> bin_of_, tile_of_;
@@ -91,7 +88,6 @@ class Coloring {
   std::vector<std::size_t> phase_begin_;              // in phase_tiles_
   std::vector<std::uint64_t> colors_of_tile_;         // a bit by colour
   int body_shift_ = 0;                                // a body's range is its slot without so many bits
-  int part_bits_ = 0;                                 // of the edges that are coloured: few have one part
   int part_shift_ = 0;                                // as body_shift_, of a part
   parallel::UnsetVector<std::uint32_t> order_;
   std::vector<std::size_t> begin_ = {0};
