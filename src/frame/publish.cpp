@@ -35,7 +35,7 @@ HWY_INLINE void prefetch_of_pair(const PublishInput& input, std::size_t i) {
 // Prefetches what touches() reads of impacts of a manifold whose contact points got no impulse.
 HWY_INLINE void prefetch_row_of(const PublishInput& input, std::size_t m) {
   if (!input.manifolds.impacts || !input.velocities.applied_impulse_ns[m].isZero(0)) return;
-  const std::uint32_t at = input.velocities.row_of[m];
+  const std::uint32_t at = input.manifolds.coloring.places()[m];
   hwy::Prefetch(&input.velocities.scratch.activations[at]);
   hwy::Prefetch(&input.velocities.rows[at].total_ns);
   hwy::Prefetch(&input.velocities.rows[at].point_impulse_ns.z());

@@ -95,7 +95,7 @@ class PairRows final : public solver::RowSource {
     parallel::prefetch(input_.manifolds.points[manifold.pair]);
     parallel::prefetch(input_.levels.progress[manifold.pair]);
     parallel::prefetch(input_.levels.found.of(input_.levels.progress[manifold.pair]).contact);
-    parallel::prefetch(velocities_.rows[velocities_.row_of[m]]);
+    parallel::prefetch(velocities_.rows[input_.manifolds.coloring.places()[m]]);
   }
   void fill(std::size_t k) const override {
     auto place = static_cast<std::uint32_t>(counts_.overlaps.take(solver::kOverlapsOfRow));
@@ -208,19 +208,14 @@ void deactivate_rows(const SolveInput& input, Velocities& velocities, parallel::
   velocities.overlaps =
       velocities.lane_memory.use_anew<solver::OverlapPoint>(solver::kOverlapsOfRow * velocities.rows.size());
   velocities.scratch.activations.resize(manifolds.manifolds.size());
-  velocities.row_of.resize(manifolds.manifolds.size());
-  const std::span<const std::uint32_t> order = manifolds.coloring.order();
-  constexpr std::size_t kManifoldsAhead = 8;
-  const bool distant = order.size() > parallel::kPairsAtHand;
-  parallel::parallel_for(executor, order.size(), kRowGrain, [&](std::size_t begin, std::size_t end, int) {
-    for (std::size_t k = begin; k < end; ++k) {
-      if (distant && k + kManifoldsAhead < end) parallel::prefetch(manifolds.manifolds[order[k + kManifoldsAhead]]);
-      const solver::Manifold& manifold = manifolds.manifolds[order[k]];
-      solver::RowActivation& gate = velocities.scratch.activations[k];
+  const std::span<const std::uint32_t> places = manifolds.coloring.places();
+  parallel::parallel_for(executor, places.size(), kRowGrain, [&](std::size_t begin, std::size_t end, int) {
+    for (std::size_t m = begin; m < end; ++m) {
+      const solver::Manifold& manifold = manifolds.manifolds[m];
+      solver::RowActivation& gate = velocities.scratch.activations[places[m]];
       gate = {manifold.a, manifold.b};
       gate.fast = manifold.fast;
       gate.ready = false;
-      velocities.row_of[order[k]] = static_cast<std::uint32_t>(k);
     }
   });
 }
@@ -237,7 +232,7 @@ void fill_fast_rows(const Manifolds& manifolds, const PairRows& source, Velociti
                            for (std::size_t m = begin; m < end; ++m) {
                              if (distant && m + kAhead < end) source.prefetch(m + kAhead);
                              if (!manifolds.manifolds[m].fast) continue;
-                             const std::uint32_t row = velocities.row_of[m];
+                             const std::uint32_t row = manifolds.coloring.places()[m];
                              source.fill(row, place);
                              solver::activate(velocities.rows[row], velocities.scratch.activations[row]);
                            }
@@ -270,7 +265,7 @@ void leave_bouncing(const Manifolds& all, Velocities& velocities, parallel::Exec
   if (!velocities.bounced) return;
   velocities.left_out.resize(count);
   parallel::for_ranges(executor, {count, kRowGrain}, [&](std::size_t, std::size_t begin, std::size_t end) {
-    for (std::size_t m = begin; m < end; ++m) velocities.left_out[m] = bounces(velocities.row_of[m]) ? 1 : 0;
+    for (std::size_t m = begin; m < end; ++m) velocities.left_out[m] = bounces(all.coloring.places()[m]) ? 1 : 0;
   });
 }
 
@@ -316,7 +311,6 @@ void begin_solve(const SolveInput& input, Velocities& velocities, parallel::Exec
   const std::size_t most = input.table.capacity();
   velocities.applied_impulse_ns.reserve(most);
   parallel::reserve_anew(velocities.rows, most);
-  parallel::reserve_anew(velocities.row_of, most);
   velocities.lane_memory.reserve<solver::OverlapPoint>(solver::kOverlapsOfRow * most);
   velocities.scratch.activations.reserve(most);
   parallel::reserve_anew(velocities.left_out, most);

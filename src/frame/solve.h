@@ -34,7 +34,6 @@ struct Velocities {
   parallel::UnsetVector<solver::ContactRow> rows;  ///< in the order of the colouring; filled where there was an impact
   solver::LaneMemory lane_memory;            ///< of overlaps while impacts are solved, then of contact points in lanes
   std::span<solver::OverlapPoint> overlaps;  ///< of the rows
-  parallel::UnsetVector<std::uint32_t> row_of;  ///< one a manifold, where there may be impacts: its row
   std::uint64_t point_count = 0;  ///< of the manifolds that the contact solver takes: all but those that bounce
   SweptContacts swept;            ///< with backtracking
 
@@ -50,7 +49,7 @@ struct Velocities {
   /// What impacts did to a manifold; null where there was none.
   [[nodiscard]] const solver::ContactRow* row(const Manifolds& manifolds, std::size_t manifold) const {
     if (!manifolds.impacts) return nullptr;
-    const std::uint32_t row = row_of[manifold];
+    const std::uint32_t row = manifolds.coloring.places()[manifold];
     return scratch.activations[row].ready ? &rows[row] : nullptr;
   }
 };

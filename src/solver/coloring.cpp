@@ -195,7 +195,11 @@ void Coloring::sort_by_color(std::uint64_t colors, std::size_t bins_of_color, co
   }
   parallel::for_ranges(executor, ranges, [&](std::size_t range, std::size_t begin, std::size_t end) {
     BinCounts& next = bin_counts_[range];
-    for (std::size_t i = begin; i < end; ++i) order_[next[bin_of_[i]]++] = static_cast<std::uint32_t>(i);
+    for (std::size_t i = begin; i < end; ++i) {
+      const std::uint32_t place = next[bin_of_[i]]++;
+      places_[i] = place;
+      order_[place] = static_cast<std::uint32_t>(i);
+    }
   });
 }
 
@@ -203,6 +207,7 @@ void Coloring::color(std::span<const Edge> edges, std::size_t bodies, parallel::
   used_.assign(bodies, 0);
   bin_of_.resize(edges.size());
   order_.resize(edges.size());
+  places_.resize(edges.size());
   const parallel::Ranges ranges = ranges_of(edges.size(), executor);
   if (edges.size() < kTiledEdges) {
     std::uint64_t colors = 0;

@@ -46,12 +46,15 @@ class Coloring {
     parallel::reserve_anew(tile_of_, edges);
     parallel::reserve_anew(by_tile_, edges);
     parallel::reserve_anew(order_, edges);
+    parallel::reserve_anew(places_, edges);
     begin_.reserve(kColors + 1);
     if (edges >= kTiledEdges) reserve_tiles();
   }
   /// order()[k] is the edge at position k; positions of colour c are [begin(c), begin(c + 1)). Only colours that have
   /// edges count: between those of pairs of dynamic bodies and those of the ground most are free.
   [[nodiscard]] std::span<const std::uint32_t> order() const { return order_; }
+  /// The position of each edge: order()[places()[i]] is i.
+  [[nodiscard]] std::span<const std::uint32_t> places() const { return places_; }
   [[nodiscard]] std::uint32_t colors() const { return static_cast<std::uint32_t>(begin_.size() - 1); }
   [[nodiscard]] std::size_t begin(std::uint32_t color) const { return begin_[color]; }
   /// Edges from this position on got no colour and are solved one after another.
@@ -89,7 +92,7 @@ class Coloring {
   std::vector<std::uint64_t> colors_of_tile_;         // a bit by colour
   int body_shift_ = 0;                                // a body's range is its slot without so many bits
   int part_shift_ = 0;                                // as body_shift_, of a part
-  parallel::UnsetVector<std::uint32_t> order_;
+  parallel::UnsetVector<std::uint32_t> order_, places_;
   std::vector<std::size_t> begin_ = {0};
 };
 

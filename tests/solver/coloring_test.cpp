@@ -109,6 +109,7 @@ TEST_P(ManyEdges, HaveTheSameColoursOnAnyNumberOfThreads) {
         EXPECT_FALSE(taken[edge.b]);
         taken[edge.b] = true;
       }
+      EXPECT_EQ(alone.places()[alone.order()[k]], k);
       if (k == alone.begin(c)) continue;
       const std::uint32_t before = alone.order()[k - 1];
       EXPECT_LT(place_in_color(edges[before], before), place_in_color(edge, alone.order()[k]));
