@@ -74,7 +74,7 @@ std::uint32_t Coloring::pick(const Edge& edge) {
 
 // Of the bins of a colour: parts of the slots, and in each the ranks, the highest first. Edges without a colour share
 // one bin, and so keep their order.
-template <unsigned kPartCount>
+template <std::size_t kPartCount>
 std::uint16_t Coloring::bin_of(const Edge& edge, std::uint32_t color) const {
   if (color == kColors) return static_cast<std::uint16_t>(color * kPartCount * kRanks);
   std::uint32_t part = 0;

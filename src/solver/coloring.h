@@ -63,13 +63,13 @@ class Coloring {
  private:
   static constexpr std::size_t kBodyRanges = 32;
   static constexpr std::size_t kTiles = kBodyRanges * kBodyRanges;
-  static constexpr unsigned kParts = 8;  // of the slots; chosen (docs/performance.md)
-  static constexpr std::size_t kBins = std::size_t{kColors + 1} * kParts * kRanks;  // a colour, part and rank each
+  static constexpr std::size_t kParts = 8;                               // of the slots; chosen (docs/performance.md)
+  static constexpr std::size_t kBins = (kColors + 1) * kParts * kRanks;  // a colour, part and rank each
   using TileCounts = std::array<std::uint32_t, kTiles>;
   using BinCounts = std::array<std::uint32_t, kBins>;
 
   std::uint32_t pick(const Edge& edge);
-  template <unsigned kPartCount>
+  template <std::size_t kPartCount>
   [[nodiscard]] std::uint16_t bin_of(const Edge& edge, std::uint32_t color) const;
   void reserve_tiles();
   void sort_into_tiles(std::span<const Edge> edges, const parallel::Ranges& ranges, parallel::Executor& executor);

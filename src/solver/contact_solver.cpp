@@ -185,8 +185,8 @@ void ContactSolver::Buffers::take_back(const ContactSystem& system, double h_s) 
   });
 }
 
-// Makes blocks of the pairs, colour by colour, in the order of the rows (coloring.h). Returns how
-// many lanes of contact points they need.
+// Makes blocks of the pairs, colour by colour, in the order of the rows (coloring.h). Returns how many lanes of contact
+// points they need.
 std::size_t ContactSolver::Buffers::make_blocks(const ContactSystem& system, parallel::Executor& executor) {
   constexpr std::size_t kLeast = 128;
   const Coloring& coloring = system.coloring;

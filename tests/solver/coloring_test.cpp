@@ -67,6 +67,20 @@ TEST(Coloring, RowsOnTheGroundComeAfterAllOthers) {
   EXPECT_EQ(coloring.colors(), 2 + Coloring::kGroundColors) << "those without rows are left out";
 }
 
+TEST(Coloring, FewRowsOfAColourStandByRankAlone) {
+  constexpr std::uint32_t kRows = 64;
+  std::vector<Coloring::Edge> edges;
+  for (std::uint32_t i = 0; i < kRows; ++i)
+    edges.push_back({100 * i, 100 * i + 1, true, true, static_cast<std::uint8_t>(i % Coloring::kRanks)});
+  Coloring coloring;
+  coloring.color(edges, 100 * kRows);
+  ASSERT_EQ(coloring.colors(), 1U);
+  for (std::uint32_t k = 0; k < kRows; ++k) {
+    EXPECT_EQ(edges[coloring.order()[k]].rank, Coloring::kRanks - 1 - k / (kRows / Coloring::kRanks));
+    EXPECT_EQ(coloring.places()[coloring.order()[k]], k);
+  }
+}
+
 // Pairs of bodies that are `near` slots apart at most, or of any.
 std::vector<Coloring::Edge> many_edges(std::uint32_t bodies, std::size_t count, std::uint32_t near) {
   std::mt19937 random(7);
