@@ -17,7 +17,7 @@ struct Block {
   std::vector<SolverBody> bodies;
   std::vector<Acceleration> accelerations;
   std::vector<Mat3> inverse_inertia;
-  std::vector<Coloring::Edge> edges;
+  std::vector<Edge> edges;
   std::vector<Vec3> directions;
   std::vector<ContactRow> rows;
   Coloring coloring;
@@ -111,7 +111,7 @@ void coloring(benchmark::State& state) {
     block.coloring.color(block.edges, block.bodies.size());
     benchmark::DoNotOptimize(block.coloring.order().data());
   }
-  if (block.coloring.serial_begin() != block.edges.size()) state.SkipWithError("colours ran out");
+  if (block.coloring.shared_begin() != block.edges.size()) state.SkipWithError("colours ran out");
   state.counters["s_per_contact"] =
       benchmark::Counter(static_cast<double>(block.rows.size()),
                          benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);

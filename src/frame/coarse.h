@@ -31,7 +31,7 @@ struct CoarseInput {
 /// *apart* of which the cache says for sure that they do not touch in this step, which ended before, and whose bodies
 /// are not fast: nothing is done about them but that *publish* counts their motion. All others are active.
 struct ActivePair {
-  std::uint32_t a = 0, b = 0;  ///< slots, a plane always second
+  std::uint32_t a = 0, b = 0;  ///< slots, a plane always second, a ball first unless both are balls
   double margin_m = 0, skin_m = 0;
   double reach_m = 0;                          ///< what refinement looks for: margin_m and what lets a pair be cached
   const CachedPair* cached = &kNothingCached;  ///< of the last step

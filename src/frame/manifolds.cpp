@@ -116,6 +116,17 @@ HWY_INLINE void prefetch_found_points_of(const ManifoldsInput& input, std::size_
     hwy::Prefetch(&point);
 }
 
+// A ball is touched where the normal from its centre leaves it, however it has turned since: a point that rolled on
+// with it would take the load with it and drive it forward. Leaves the separations of new points as they are.
+void center_points(const ManifoldsInput& input, const ActivePair& pair, bool turned,
+                   std::span<solver::ContactPoint> points) {
+  const Mat3 b_in_a = input.motion.poses[pair.a].rotation.transpose() * input.motion.poses[pair.b].rotation;
+  for (solver::ContactPoint& point : points) {
+    const Vec3 normal = b_in_a * point.normal;
+    point.on_a_m = (turned ? point.on_a_m.norm() : normal.dot(point.on_a_m)) * normal;
+  }
+}
+
 // Separations of cached points at the poses of this frame.
 void update_separations(const ManifoldsInput& input, const ActivePair& pair, PairPoints& made, PointCache& cache) {
   const collision::Pose& a = input.motion.poses[pair.a];
@@ -165,9 +176,9 @@ void make_points_of(const ManifoldsInput& input, std::size_t i, PairPoints& made
   const PairProgress& progress = input.levels.progress[i];
   const bool from_cache = progress.from_cache();
   if (made.slot == kNoSlot) made.slot = cache.free_slot(count.new_slots++);
-  if (!from_cache) {
-    write_points(input, i, made, cache);
-  } else if (!knows_separations(pair, progress)) {
+  if (!from_cache) write_points(input, i, made, cache);
+  if (progress.on_ball) center_points(input, pair, from_cache, cache.points_of(made.slot, made.point_count));
+  if (from_cache && !knows_separations(pair, progress)) {
     update_separations(input, pair, made, cache);
   }
   made.solved = made.nearest_m < pair.margin_m;
@@ -298,7 +309,7 @@ void list_manifolds(const ManifoldsInput& input, Manifolds& manifolds, FrameRepo
   });
   manifolds.coloring.color(manifolds.edges, input.scene.bodies.slot_count(), executor);
   report.contact_pairs = solved;
-  report.colors_full = solved - manifolds.coloring.serial_begin();
+  report.colors_full = solved - manifolds.coloring.shared_begin();
 }
 
 }  // namespace

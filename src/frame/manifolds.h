@@ -46,7 +46,7 @@ struct SolvedCount {
 struct Manifolds {
   parallel::UnsetVector<PairPoints> points;             ///< one a pair
   parallel::UnsetVector<solver::Manifold> manifolds;    ///< of the solved pairs, in canonical order
-  parallel::UnsetVector<solver::Coloring::Edge> edges;  ///< one a manifold
+  parallel::UnsetVector<solver::Edge> edges;  ///< one a manifold
   solver::Coloring coloring;                            ///< of the edges
   std::uint64_t manifold_points = 0;                    ///< of all manifolds
   std::size_t held_found = 0;                           ///< pairs that wait, with new points

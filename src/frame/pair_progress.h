@@ -44,6 +44,7 @@ struct PairStart {
   CacheUse cached = CacheUse::None;  ///< these as of PairProgress
   Level cached_level = 0;
   std::uint8_t seen = 0, band = 0, waited = 0;
+  bool on_ball = false;  ///< as of PairProgress
 
   [[nodiscard]] bool refinable() const {
     return deepest > 0 && cached != CacheUse::Separated && !(cached == CacheUse::Points && cached_level >= deepest);
@@ -81,6 +82,7 @@ struct PairProgress {
   CacheUse cached = CacheUse::None;
   bool full = false;        ///< its front did not fit into the pool: the pair stays at its level
   bool exact = false;       ///< its contact counts whatever its level: a pair of backtracking
+  bool on_ball = false;     ///< a is a ball and b is not: where a is touched does not turn with it
   bool held = false;        ///< its bodies wait: it is refined, but has no response in this frame
   Level cached_level = 0;   ///< that found out what is cached
   std::uint8_t seen = 0;    ///< as CachedPair::seen, of this frame if the pair was ranked in it
@@ -104,6 +106,7 @@ struct PairProgress {
     seen = start.seen;
     band = start.band;
     waited = start.waited;
+    on_ball = start.on_ball;
   }
 
   void stop_for_time() {

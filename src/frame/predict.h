@@ -36,6 +36,7 @@ struct alignas(64) BodyBounds {
   double radius_m = 0;
   bool plane = false, dynamic = false;
   bool meshed = false;  ///< its shape has a surface of polygons
+  bool ball = false;    ///< its surface is its root sphere, about its centre of mass
   Level depth = 0;      ///< of its tree; 0 of a plane
 };
 static_assert(sizeof(BodyBounds) == 128);

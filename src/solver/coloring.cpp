@@ -9,7 +9,7 @@ namespace poise::solver {
 namespace {
 
 // A bit by colour; none of what has no colour.
-std::uint64_t bit_of(std::uint32_t color) { return color < Coloring::kColors ? std::uint64_t{1} << color : 0; }
+std::uint64_t bit_of(std::uint32_t color) { return color < kColors ? std::uint64_t{1} << color : 0; }
 
 // Ranges of edges whose counts are summed up one after another between two loops: no more than the threads need.
 constexpr std::size_t kEdgeRanges = 16, kRangesOfThread = 2;
@@ -60,10 +60,8 @@ void begin_bins(std::span<const BinRange> used, std::vector<std::array<std::uint
 
 // The first colour of its kind that is free at both bodies of an edge, where it is then used; kColors if there is none.
 std::uint32_t Coloring::pick(const Edge& edge) {
-  constexpr std::uint64_t kGrounded = ~std::uint64_t{0} << (kColors - kGroundColors);
-  const bool grounded = !(edge.dynamic_a && edge.dynamic_b);
   const std::uint64_t used =
-      (edge.dynamic_a ? used_[edge.a] : 0) | (edge.dynamic_b ? used_[edge.b] : 0) | (grounded ? ~kGrounded : kGrounded);
+      (edge.dynamic_a ? used_[edge.a] : 0) | (edge.dynamic_b ? used_[edge.b] : 0) | colors_of_others(edge);
   const auto color = static_cast<std::uint32_t>(std::countr_one(used));
   if (color == kColors) return color;
   const std::uint64_t mark = std::uint64_t{1} << color;
@@ -203,7 +201,7 @@ void Coloring::sort_by_color(std::uint64_t colors, std::size_t bins_of_color, co
   });
 }
 
-void Coloring::color(std::span<const Edge> edges, std::size_t bodies, parallel::Executor& executor) {
+void Coloring::color_own(std::span<const Edge> edges, std::size_t bodies, parallel::Executor& executor) {
   used_.assign(bodies, 0);
   bin_of_.resize(edges.size());
   order_.resize(edges.size());
@@ -229,6 +227,15 @@ void Coloring::color(std::span<const Edge> edges, std::size_t bodies, parallel::
   sort_into_tiles(edges, ranges, executor);
   plan_phases();
   sort_by_color(color_tiles(edges, executor), kParts * kRanks, ranges, executor);
+}
+
+void Coloring::color(std::span<const Edge> edges, std::size_t bodies, parallel::Executor& executor) {
+  color_own(edges, bodies, executor);
+  own_colors_ = colors();
+  const std::size_t before = begin_.back();
+  const std::span<std::uint32_t> left = std::span(order_).subspan(before);
+  shared_.color(edges, bodies, left, before, begin_, executor);
+  for (std::size_t k = 0; k < left.size(); ++k) places_[left[k]] = static_cast<std::uint32_t>(before + k);
 }
 
 void Coloring::color(std::span<const Edge> edges, std::size_t bodies) {

@@ -10,33 +10,26 @@
 #include "parallel/executor.h"
 #include "parallel/ranges.h"
 #include "parallel/unset_vector.h"
+#include "solver/edge.h"
+#include "solver/shared_bodies.h"
 
 namespace poise::solver {
 
-/// Order of rows such that no two rows of one colour share a dynamic body; within a colour by rank, the highest first.
-/// Of many rows, those of each colour are ordered by eighths of the body slots first, so that the thread that takes a
-/// part of a colour finds in its cache the bodies that it has written in the last one. Deterministic for the rows'
-/// order, whatever the number of threads. Invariant: begin has one more entry than there are colours; rows of the last
-/// stretch, if any, share bodies.
+/// Order of rows such that no two rows of one colour push the same dynamic body, or the same copy of one; within a
+/// colour by rank, the highest first. Of many rows, those of each colour are ordered by eighths of the body slots
+/// first, so that the thread that takes a part of a colour finds in its cache the bodies that it has written in the
+/// last one. Deterministic for the rows' order, whatever the number of threads. Invariant: begin has one more entry
+/// than there are colours.
 ///
 /// Each row gets the first colour that is free at both bodies, rows with a body that is not dynamic one of the last
 /// colours. Many rows are coloured in parallel: bodies are divided
 /// into ranges of slots and rows into tiles, those between the same two ranges. Tiles without a range in common share
-/// no body. They make up a phase, whose tiles are coloured at the same time; phases follow each other.
+/// no body. They make up a phase, whose tiles are coloured at the same time; phases follow each other. Rows for which
+/// no colour is free get one of a second set (SharedBodies), and come last.
 class Coloring {
  public:
-  static constexpr std::uint32_t kColors = 64;
-  /// The last of them, for rows with a body that is not dynamic: an iteration ends with them, so that what does not
-  /// yield holds whatever the rows before them left.
-  static constexpr std::uint32_t kGroundColors = 8;
-  static constexpr std::uint32_t kRanks = 8;
   /// Fewer are one tile. Chosen: 40 us of work, about the cost of the loops that more tiles need.
   static constexpr std::size_t kTiledEdges = 4096;
-  struct Edge {
-    std::uint32_t a = 0, b = 0;
-    bool dynamic_a = true, dynamic_b = true;
-    std::uint8_t rank = 0;  ///< below kRanks
-  };
   void color(std::span<const Edge> edges, std::size_t bodies, parallel::Executor& executor);
   /// The same on the calling thread.
   void color(std::span<const Edge> edges, std::size_t bodies);
@@ -47,7 +40,7 @@ class Coloring {
     parallel::reserve_anew(by_tile_, edges);
     parallel::reserve_anew(order_, edges);
     parallel::reserve_anew(places_, edges);
-    begin_.reserve(kColors + 1);
+    begin_.reserve(2 * kColors + 1);
     if (edges >= kTiledEdges) reserve_tiles();
   }
   /// order()[k] is the edge at position k; positions of colour c are [begin(c), begin(c + 1)). Only colours that have
@@ -57,8 +50,15 @@ class Coloring {
   [[nodiscard]] std::span<const std::uint32_t> places() const { return places_; }
   [[nodiscard]] std::uint32_t colors() const { return static_cast<std::uint32_t>(begin_.size() - 1); }
   [[nodiscard]] std::size_t begin(std::uint32_t color) const { return begin_[color]; }
-  /// Edges from this position on got no colour and are solved one after another.
-  [[nodiscard]] std::size_t serial_begin() const { return begin_.back(); }
+  /// Edges from this position on have a colour of the second set: two of a colour may push the same body, as copies.
+  [[nodiscard]] std::size_t shared_begin() const { return begin_[own_colors_]; }
+  /// How many colours come before it.
+  [[nodiscard]] std::uint32_t own_colors() const { return own_colors_; }
+  [[nodiscard]] std::span<const SharedBody> shared() const { return shared_.all(); }
+  /// Of all shared bodies.
+  [[nodiscard]] std::size_t copies() const { return shared_.copies(); }
+  /// The bodies of each edge, or copies of them; none where no body is shared.
+  [[nodiscard]] std::span<const RowEnds> ends() const { return shared_.ends(); }
 
  private:
   static constexpr std::size_t kBodyRanges = 32;
@@ -68,6 +68,7 @@ class Coloring {
   using TileCounts = std::array<std::uint32_t, kTiles>;
   using BinCounts = std::array<std::uint32_t, kBins>;
 
+  void color_own(std::span<const Edge> edges, std::size_t bodies, parallel::Executor& executor);
   std::uint32_t pick(const Edge& edge);
   template <std::size_t kPartCount>
   [[nodiscard]] std::uint16_t bin_of(const Edge& edge, std::uint32_t color) const;
@@ -94,6 +95,8 @@ class Coloring {
   int part_shift_ = 0;                                // as body_shift_, of a part
   parallel::UnsetVector<std::uint32_t> order_, places_;
   std::vector<std::size_t> begin_ = {0};
+  std::uint32_t own_colors_ = 0;
+  SharedBodies shared_;
 };
 
 }  // namespace poise::solver

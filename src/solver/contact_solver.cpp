@@ -16,6 +16,7 @@
 #include "solver/contacts/contact_blocks.h"
 #include "solver/contacts/flight.h"
 #include "solver/contacts/prefetch_blocks.h"
+#include "solver/contacts/split_system.h"
 #include "solver/contacts/substep.h"
 #include "solver/iterations/anderson_mixing.h"
 #include "solver/iterations/energy_guard.h"
@@ -45,9 +46,10 @@ constexpr std::uint32_t kManyIterations = 8;
 
 struct ContactSolver::Buffers {
   parallel::UnsetVector<ContactBlock> blocks;
-  std::vector<std::size_t> block_begin;          // per colour, then the serial ones, then the end
+  std::vector<std::size_t> block_begin;          // per colour, then the end
   std::vector<std::size_t> lanes_of_range;       // scratch of make_blocks
   std::vector<IterationChange<double>> changes;  // one a block, where iterations converge
+  BodyCopies copies;
   IterationStop stop;
   AndersonMixing mixing;
   Settling settling;
@@ -79,7 +81,7 @@ struct ContactSolver::Buffers {
     return sizeof(T) == sizeof(float) ? single_threads : twofold_threads;
   }
 
-  std::size_t make_blocks(const ContactSystem& system, parallel::Executor& executor);
+  std::size_t make_blocks(const SplitSystem& system, parallel::Executor& executor);
   // All blocks, colour by colour; on the calling thread if `alone`.
   template <class Visit>
   void iteration(bool alone, parallel::Executor& executor, Visit&& visit);
@@ -90,18 +92,18 @@ struct ContactSolver::Buffers {
   std::size_t for_numbers(Visit&& visit);
   std::size_t find_roots();
   void read_impulses(std::vector<double>& into);
-  void mix(parallel::Executor& executor);
-  void take_back(const ContactSystem& system, double h_s);
+  void mix(const SplitSystem& system, parallel::Executor& executor);
+  void take_back(const SplitSystem& system, double h_s, parallel::Executor& executor);
   template <class T>
-  void reserve(const ContactSystem& system, bool mixed, bool keeps, parallel::Executor& executor);
+  void reserve(const SplitSystem& system, bool mixed, bool keeps, parallel::Executor& executor);
   template <class T>
-  void fill(const ContactSystem& system, const BlockTerms& terms, Lanes<T>& all, parallel::Executor& executor);
+  void fill(const SplitSystem& system, const BlockTerms& terms, Lanes<T>& all, parallel::Executor& executor);
   template <class T, class Apply>
   Iterated iterate(const Iterating<T>& how, bool last_substep, Apply&& apply, Convergence& ended,
                    parallel::Executor& executor);
   // Nothing where the limit says only_collisions, and there are none: then nothing was changed either.
   template <class T>
-  std::optional<Convergence> solve(const ContactSystem& system, const SolveSettings& settings,
+  std::optional<Convergence> solve(const SplitSystem& system, const SolveSettings& settings,
                                    const IterationLimit& limit, parallel::Executor& executor);
 };
 
@@ -148,7 +150,7 @@ void ContactSolver::Buffers::read_impulses(std::vector<double>& into) {
 
 // Extrapolates from the last iterations, clamped to the friction cones; undone if it adds energy. `before` then has the
 // impulses of the next iteration.
-void ContactSolver::Buffers::mix(parallel::Executor& executor) {
+void ContactSolver::Buffers::mix(const SplitSystem& system, parallel::Executor& executor) {
   read_impulses(after);
   if (!mixing.mix(before, after)) {
     std::swap(before, after);
@@ -163,9 +165,11 @@ void ContactSolver::Buffers::mix(parallel::Executor& executor) {
   iteration(twofold_threads.alone(), executor, [&](std::size_t i) {
     warm_start_block(blocks[i], twofold.pairs[i], twofold.manifold_points_of(blocks[i]), twofold.bodies());
   });
+  join_motions(system, twofold.motions, executor);
   const bool diverged = !(energy.joules(twofold.motions) <= kDiverged * std::max(swept_j, alone_j));
   if (diverged) {
     energy.restore(twofold.motions);
+    join_motions(system, twofold.motions, executor);
     mixing.begin(numbers);
   }
   const std::vector<double>& impulses = diverged ? swept : after;
@@ -175,10 +179,11 @@ void ContactSolver::Buffers::mix(parallel::Executor& executor) {
 }
 
 // Contact points that separate under their impulse add energy. Scales all impulses down to the share that adds none.
-void ContactSolver::Buffers::take_back(const ContactSystem& system, double h_s) {
+void ContactSolver::Buffers::take_back(const SplitSystem& system, double h_s, parallel::Executor& executor) {
   const double share = energy.best_share(system, twofold.begun, h_s, twofold.motions);
   if (share == 1) return;
   energy.scale(system, twofold.begun, h_s, share, twofold.motions);
+  join_motions(system, twofold.motions, executor);
   for_impulses([&](bool frictional, const PairLanes<double>&, PointLanes<double>& point, std::size_t lane) {
     point.impulse[lane] *= share;
     for (std::size_t k = 0; k < 3 && frictional; ++k) point.friction_impulse[k][lane] *= share;
@@ -187,19 +192,15 @@ void ContactSolver::Buffers::take_back(const ContactSystem& system, double h_s) 
 
 // Makes blocks of the pairs, colour by colour, in the order of the rows (coloring.h). Returns how many lanes of contact
 // points they need.
-std::size_t ContactSolver::Buffers::make_blocks(const ContactSystem& system, parallel::Executor& executor) {
+std::size_t ContactSolver::Buffers::make_blocks(const SplitSystem& system, parallel::Executor& executor) {
   constexpr std::size_t kLeast = 128;
   const Coloring& coloring = system.coloring;
-  // The serial pairs come last, each a block of its own.
-  const auto pairs_begin = [&](std::size_t color) {
-    return color <= coloring.colors() ? coloring.begin(static_cast<std::uint32_t>(color)) : system.pairs.size();
-  };
-  const auto width = [&](std::size_t color) { return color < coloring.colors() ? kLanes : 1; };
-  block_begin.reserve(Coloring::kColors + 2);
+  const auto pairs_begin = [&](std::size_t color) { return coloring.begin(static_cast<std::uint32_t>(color)); };
+  block_begin.reserve(2 * kColors + 1);
   block_begin.assign(1, 0);
-  for (std::size_t color = 0; color <= coloring.colors(); ++color) {
+  for (std::size_t color = 0; color < coloring.colors(); ++color) {
     const std::size_t pairs = pairs_begin(color + 1) - pairs_begin(color);
-    block_begin.push_back(block_begin.back() + (pairs + width(color) - 1) / width(color));
+    block_begin.push_back(block_begin.back() + (pairs + kLanes - 1) / kLanes);
   }
   blocks.resize(block_begin.back());
   const parallel::Ranges ranges(blocks.size(), kLeast);
@@ -212,9 +213,9 @@ std::size_t ContactSolver::Buffers::make_blocks(const ContactSystem& system, par
       while (block_begin[color + 1] <= i) ++color;
       ContactBlock& block = blocks[i];
       block = ContactBlock{};
-      const std::size_t first = pairs_begin(color) + (i - block_begin[color]) * width(color);
+      const std::size_t first = pairs_begin(color) + (i - block_begin[color]) * kLanes;
       block.begin = static_cast<std::uint32_t>(first);
-      block.count = static_cast<std::uint8_t>(std::min(width(color), pairs_begin(color + 1) - first));
+      block.count = static_cast<std::uint8_t>(std::min(kLanes, pairs_begin(color + 1) - first));
       for (const std::uint32_t pair : coloring.order().subspan(first, block.count))
         block.manifold_points = std::max(block.manifold_points, system.solved_points(pair));
       lanes += block.manifold_points;
@@ -243,19 +244,17 @@ void ContactSolver::Buffers::iteration(bool alone, parallel::Executor& executor,
     });
     return;
   }
-  for (std::size_t color = 0; color + 2 < block_begin.size(); ++color) {
+  for (std::size_t color = 0; color + 1 < block_begin.size(); ++color) {
     const std::size_t first = block_begin[color];
     parallel::parallel_for(executor, block_begin[color + 1] - first, kGrain,
                            [&](std::size_t begin, std::size_t end, int) {
                              for (std::size_t i = first + begin; i < first + end; ++i) visit(i);
                            });
   }
-  for (std::size_t i = block_begin[block_begin.size() - 2]; i < block_begin.back(); ++i) visit(i);
 }
 
 template <class T>
-void ContactSolver::Buffers::reserve(const ContactSystem& system, bool mixed, bool keeps,
-                                     parallel::Executor& executor) {
+void ContactSolver::Buffers::reserve(const SplitSystem& system, bool mixed, bool keeps, parallel::Executor& executor) {
   constexpr std::size_t kGrain = 512;
   Lanes<T>& all = lanes<T>();
   const std::size_t needed = make_blocks(system, executor);
@@ -266,10 +265,11 @@ void ContactSolver::Buffers::reserve(const ContactSystem& system, bool mixed, bo
   if (keeps) all.totals = memory.totals.use_anew<TotalLanes<T>>(needed);
   all.pairs = memory.pairs.use_anew<PairLanes<T>>(blocks.size());
   const std::size_t bodies = system.bodies.size();
-  const std::size_t known = all.motions.size();
-  all.motions = memory.motions.use<MotionChange<T>>(bodies, executor);
-  all.begun = memory.begun.use<SpeedChange<T>>(bodies, executor);
-  all.scaled_inverse_inertias = memory.scaled_inverse_inertias.use<ScaledInverseInertia<T>>(bodies, executor);
+  const std::size_t known = std::exchange(all.known, bodies);
+  const std::size_t motions = system.motions();
+  all.motions = memory.motions.use<MotionChange<T>>(motions, executor);
+  all.begun = memory.begun.use<SpeedChange<T>>(motions, executor);
+  all.scaled_inverse_inertias = memory.scaled_inverse_inertias.use<ScaledInverseInertia<T>>(motions, executor);
   // New bodies may be at rest. After a step in the other precision all are written, whatever they hold.
   if (all.used_last && bodies > known) {
     parallel::parallel_for(executor, bodies - known, kGrain, [&](std::size_t begin, std::size_t end, int) {
@@ -291,7 +291,7 @@ void ContactSolver::Buffers::reserve(const ContactSystem& system, bool mixed, bo
 
 // Brings the contact points to the lanes, and their impulses of the last step to the bodies.
 template <class T>
-void ContactSolver::Buffers::fill(const ContactSystem& system, const BlockTerms& terms, Lanes<T>& all,
+void ContactSolver::Buffers::fill(const SplitSystem& system, const BlockTerms& terms, Lanes<T>& all,
                                   parallel::Executor& executor) {
   const BodyLanes<T> bodies = all.bodies();
   iteration(threads<T>().alone(), executor, [&](std::size_t i) {
@@ -300,6 +300,7 @@ void ContactSolver::Buffers::fill(const ContactSystem& system, const BlockTerms&
     fill_block(system, terms, blocks[i], all.pairs[i], all);
     warm_start_block(blocks[i], all.pairs[i], all.manifold_points_of(blocks[i]), bodies);
   });
+  join_motions(system, all.motions, executor);
 }
 
 // The iterations of one substep. `apply` hands a block's impulses over: here in the last substep, while its lanes are
@@ -334,6 +335,7 @@ Iterated ContactSolver::Buffers::iterate(const Iterating<T>& how, bool last_subs
       if (substep_terms.watch) changes[i] = widened(change);
       if (last_substep && !substep_terms.watch) apply(i, totals);
     });
+    join_motions(system, all.motions, executor);
     if (measures) threads<T>().note(executor.time() - begun);
     if (!terms.watch) break;
     const IterationChange<double> sum = sum_of(changes);
@@ -343,8 +345,8 @@ Iterated ContactSolver::Buffers::iterate(const Iterating<T>& how, bool last_subs
       result.settled = result.reached =
           sum.change_ns <= stopping.share * sum.largest_ns ||
           (stopping.settled_share > 0 &&
-           settling.settled(system, twofold.motions, twofold.begun, static_cast<double>(terms.h_s), round + 1,
-                            stopping.settled_share));
+           settling.settled(system, twofold.motions.first(system.bodies.size()), twofold.begun,
+                            static_cast<double>(terms.h_s), round + 1, stopping.settled_share));
     } else {
       mean.add(sum.impulse_sum_ns > 0 ? sum.residual_j / sum.impulse_sum_ns : 0.0, still_mps(settings));
       result.settled = sum.change_mps <= kSettledOfStill * still_mps(settings) || (limit.by_mean && mean.settled());
@@ -355,14 +357,14 @@ Iterated ContactSolver::Buffers::iterate(const Iterating<T>& how, bool last_subs
     result.stopped = stop.stops(round);
     // A plain iteration comes last.
     if (result.stopped) break;
-    if (limit.mixed) mix(executor);
+    if (limit.mixed) mix(system, executor);
   }
   stop.end_substep();
   return result;
 }
 
 template <class T>
-std::optional<Convergence> ContactSolver::Buffers::solve(const ContactSystem& system, const SolveSettings& settings,
+std::optional<Convergence> ContactSolver::Buffers::solve(const SplitSystem& system, const SolveSettings& settings,
                                                          const IterationLimit& limit, parallel::Executor& executor) {
   constexpr std::size_t kGrain = 512;
   constexpr std::size_t kBlocksAtOnce = 16;
@@ -380,6 +382,9 @@ std::optional<Convergence> ContactSolver::Buffers::solve(const ContactSystem& sy
     parallel::parallel_for(executor, looked_at, kGrain, [&](std::size_t begin, std::size_t end, int) {
       for (std::size_t k = begin; k < end; ++k) visit(everything ? k : system.active[k]);
     });
+    parallel::parallel_for(executor, system.copies.size(), kGrain, [&](std::size_t begin, std::size_t end, int) {
+      for (std::size_t k = begin; k < end; ++k) visit(system.bodies.size() + k);
+    });
   };
   const auto for_blocks = [&](auto&& visit) {
     parallel::parallel_for(executor, blocks.size(), kBlocksAtOnce, [&](std::size_t begin, std::size_t end, int) {
@@ -388,8 +393,8 @@ std::optional<Convergence> ContactSolver::Buffers::solve(const ContactSystem& sy
   };
   for_bodies([&](std::size_t i) {
     all.motions[i] = MotionChange<T>{};
-    all.scaled_inverse_inertias[i] = scaled_inverse_inertia<T>(system.bodies[i], system.inverse_inertia[i]);
-    system.bodies[i].pulled = !system.acceleration_of(i).none();
+    all.scaled_inverse_inertias[i] = scaled_inverse_inertia<T>(system.body(i), system.inverse_inertia_of(i));
+    system.body(i).pulled = !system.acceleration_of(i).none();
     begin_substep(system, i, h_s, true, all);
   });
   fill(system, {still_mps(settings), h_s}, all, executor);
@@ -419,7 +424,7 @@ std::optional<Convergence> ContactSolver::Buffers::solve(const ContactSystem& sy
     limit_here.only_collisions = limit.only_collisions && substep == 0;
     const Iterated done = iterate(Iterating<T>{system, settings, limit_here, terms}, last, give, ended, executor);
     if (limit_here.only_collisions && !done.collision) return std::nullopt;
-    if (limit.mixed && !done.settled && done.far) take_back(system, h_s);
+    if (limit.mixed && !done.settled && done.far) take_back(system, h_s, executor);
     if (watch) for_blocks([&](std::size_t i) { add_totals(blocks[i], substep == 0, all); });
     if (substep > 0 && !last)
       for_blocks([&](std::size_t i) {
@@ -432,13 +437,15 @@ std::optional<Convergence> ContactSolver::Buffers::solve(const ContactSystem& sy
   ended.point_iterations = ended.iterations * system.point_count * (limit.mixed ? kMixedIterationCost : 1U);
   for_bodies([&](std::size_t i) {
     end_substep(i, h_s, all);
-    land(all.motions[i], system.bodies[i]);
+    land(all.motions[i], system.body(i));
   });
   const bool alone = threads<T>().alone();
   if (watch) iteration(alone, executor, [&](std::size_t i) { give(i, all.totals_of(blocks[i])); });
+  join_velocities(system, executor);
   if (std::ranges::any_of(blocks, [](const ContactBlock& block) { return block.shifted != 0; })) {
     for_blocks([&](std::size_t i) { measure_angular_change(system, blocks[i], all.pairs[i]); });
     iteration(alone, executor, [&](std::size_t i) { return_angular_momentum(system, blocks[i], all.pairs[i]); });
+    join_velocities(system, executor);
   }
   return ended;
 }
@@ -450,8 +457,9 @@ ContactSolver::~ContactSolver() = default;
 ContactSolver::ContactSolver(ContactSolver&&) noexcept = default;
 ContactSolver& ContactSolver::operator=(ContactSolver&&) noexcept = default;
 
-Convergence ContactSolver::solve(const ContactSystem& system, const SolveSettings& settings,
+Convergence ContactSolver::solve(const ContactSystem& whole, const SolveSettings& settings,
                                  parallel::Executor& executor) {
+  const SplitSystem system = buffers_->copies.split(whole);
   const IterationLimit limit = limit_of(system, settings, std::min(settings.point_iterations, kMaxPointIterations));
   if (limit.mixed && limit.by_mean && settings.substeps > 1) {
     const std::optional<Convergence> ended = buffers_->solve<float>(system, settings, of_collisions(limit), executor);

@@ -30,7 +30,7 @@ class IslandSolver {
     std::unique_ptr<parallel::Executor> serial;
     ContactSolver solver;
     Coloring coloring;
-    std::vector<Coloring::Edge> edges;
+    std::vector<Edge> edges;
     std::vector<SolverBody> bodies;
     std::vector<Mat3> inverse_inertia;
     std::vector<collision::Pose> poses;

@@ -120,6 +120,7 @@ class RowSource {
 struct SolveScratch {
   std::vector<RowActivation> activations;  ///< one a row; made by solve_impacts where there is no RowSource
   std::vector<std::uint32_t> changed;      ///< one a body: when impacts last changed its velocity; 0: never
+  std::vector<std::uint8_t> needed;        ///< one a row behind Coloring::shared_begin: it may need an impulse
   std::vector<double>
       change_ns;  ///< one a row, where iterations converge: by how much the last one changed its impulse
 };

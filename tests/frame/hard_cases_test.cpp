@@ -69,6 +69,43 @@ TEST(HardCases, MassRatiosOfAMillionStayFinite) {
   expect_sane(stage);
 }
 
+// A heavy plate on balls is a cart without friction: nothing drives it, and what sets it rolling does not grow.
+TEST(HardCases, APlateOnBallsStandsStill) {
+  constexpr int kSide = 11;
+  for (const bool plate_first : {true, false}) {
+    Stage stage(one_thread_with_gravity(), 0);
+    stage.material = stage.world.add_material({0, 0.5, 1000}).value();
+    stage.plane(Vec3::UnitZ(), 0);
+    TreeBuildOptions tree;
+    tree.depth = 2;
+    tree.preset = TreePreset::Fast;
+    const ShapeId plate = stage.world.add_shape(make_mesh_shape(test::box_mesh(Vec3(2.4, 2.4, 0.2)), tree).value());
+    const ShapeId ball = stage.ball(0.05);
+    const auto add_plate = [&] {
+      BodyDefinition body;
+      body.shape = plate;
+      body.material = stage.material;
+      body.mass_kg = 500;
+      body.position_m = Vec3(0, 0, 0.2);
+      body.velocity_mps = Vec3(1e-5, 0, 0);
+      return stage.world.add_body(body).value();
+    };
+    BodyId heavy;
+    if (plate_first) heavy = add_plate();
+    for (int i = 0; i < kSide * kSide; ++i) stage.add(ball, Vec3(0.2 * (i % kSide - 5), 0.2 * (i / kSide - 5), 0.05));
+    if (!plate_first) heavy = add_plate();
+    FrameReport report;
+    StepInput input = step_of(1.0 / 60);
+    input.polygons = true;
+    for (int i = 0; i < 240; ++i) report = stage.world.step(input);
+    EXPECT_GT(report.colors_full, 0U) << "it has more pairs than there are colours";
+    EXPECT_GT(report.cached_contacts, 100U) << "few are found anew";
+    EXPECT_LT(stage.at(heavy).velocity_mps.norm(), 1e-4);
+    EXPECT_NEAR(stage.at(heavy).position_m.z(), 0.2, 1e-4);
+    EXPECT_LT(stage.world.conserved().kinetic_j, 1e-5);
+  }
+}
+
 // Towers of boxes, balls and slabs with masses between a gram and a tonne.
 class TowersOfAnyMasses : public testing::TestWithParam<double> {};
 

@@ -53,7 +53,7 @@ struct Bench {
     }
   }
   ContactSystem system() {
-    std::vector<Coloring::Edge> edges;
+    std::vector<Edge> edges;
     std::uint64_t point_count = 0;
     for (const Manifold& pair : pairs) {
       edges.push_back(

@@ -17,7 +17,7 @@ struct Two {
   std::vector<Acceleration> accelerations{4};
   std::vector<Mat3> inverse_inertia{4, Mat3::Zero()};
   Coloring coloring;
-  ContactSystem system = {bodies, accelerations, inverse_inertia, {}, {}, {}, {}, {}, coloring};
+  SplitSystem system = {{bodies, accelerations, inverse_inertia, {}, {}, {}, {}, {}, coloring}, {}, {}, {}};
   std::array<ContactBlock, 1> blocks;
   std::vector<MotionChange<double>> changes{4};
   EnergyGuard energy;

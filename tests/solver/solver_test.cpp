@@ -41,7 +41,7 @@ struct Bench {
     return rows.back();
   }
   System system() {
-    std::vector<Coloring::Edge> edges;
+    std::vector<Edge> edges;
     for (const ContactRow& row : rows) {
       edges.push_back({row.a, row.b, bodies[row.a].inverse_mass > 0, bodies[row.b].inverse_mass > 0});
     }

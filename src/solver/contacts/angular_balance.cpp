@@ -98,26 +98,26 @@ void add_late_impulses(const ContactBlock& block, double late_s, PairLanes<T>& s
 }
 
 template <class T>
-void measure_angular_change(const ContactSystem& system, const ContactBlock& block, PairLanes<T>& shared) {
+void measure_angular_change(const SplitSystem& system, const ContactBlock& block, PairLanes<T>& shared) {
   for_shifted(block, [&](std::size_t lane) {
-    const Vec3 apart_mps = system.bodies[block.b[lane]].velocity_mps - system.bodies[block.a[lane]].velocity_mps;
+    const Vec3 apart_mps = system.body(block.b[lane]).velocity_mps - system.body(block.a[lane]).velocity_mps;
     set_lane(lane_of(shared.shift, lane).cross(apart_mps), lane, shared.shift);
   });
 }
 
 template <class T>
-void return_angular_momentum(const ContactSystem& system, const ContactBlock& block, const PairLanes<T>& shared) {
+void return_angular_momentum(const SplitSystem& system, const ContactBlock& block, const PairLanes<T>& shared) {
   for_shifted(block, [&](std::size_t lane) {
     const Vec3 added = lane_of(shared.shift, lane);
     if (added.isZero(0)) return;
-    SolverBody& a = system.bodies[block.a[lane]];
-    SolverBody& b = system.bodies[block.b[lane]];
+    SolverBody& a = system.body(block.a[lane]);
+    SolverBody& b = system.body(block.b[lane]);
     TwoBodies bodies;
     bodies.reduced_kg = 1.0 / (a.inverse_mass + b.inverse_mass);
     bodies.apart_m =
-        system.poses[block.b[lane]].position_m + b.moved_m - (system.poses[block.a[lane]].position_m + a.moved_m);
-    bodies.inertia_a_kgm2 = system.inverse_inertia[block.a[lane]].inverse();
-    bodies.inertia_b_kgm2 = system.inverse_inertia[block.b[lane]].inverse();
+        system.pose_of(block.b[lane]).position_m + b.moved_m - (system.pose_of(block.a[lane]).position_m + a.moved_m);
+    bodies.inertia_a_kgm2 = system.inverse_inertia_of(block.a[lane]).inverse();
+    bodies.inertia_b_kgm2 = system.inverse_inertia_of(block.b[lane]).inverse();
     const TwoMotions before = {b.velocity_mps - a.velocity_mps, a.spin_radps, b.spin_radps};
     TwoMotions after = before;
     if (!give(bodies, -static_cast<double>(shared.reduced_mass[lane]) * added, after)) return;
@@ -131,9 +131,9 @@ void return_angular_momentum(const ContactSystem& system, const ContactBlock& bl
 
 template void add_late_impulses(const ContactBlock&, double, PairLanes<float>&, std::span<const PointLanes<float>>);
 template void add_late_impulses(const ContactBlock&, double, PairLanes<double>&, std::span<const PointLanes<double>>);
-template void measure_angular_change(const ContactSystem&, const ContactBlock&, PairLanes<float>&);
-template void measure_angular_change(const ContactSystem&, const ContactBlock&, PairLanes<double>&);
-template void return_angular_momentum(const ContactSystem&, const ContactBlock&, const PairLanes<float>&);
-template void return_angular_momentum(const ContactSystem&, const ContactBlock&, const PairLanes<double>&);
+template void measure_angular_change(const SplitSystem&, const ContactBlock&, PairLanes<float>&);
+template void measure_angular_change(const SplitSystem&, const ContactBlock&, PairLanes<double>&);
+template void return_angular_momentum(const SplitSystem&, const ContactBlock&, const PairLanes<float>&);
+template void return_angular_momentum(const SplitSystem&, const ContactBlock&, const PairLanes<double>&);
 
 }  // namespace poise::solver

@@ -26,17 +26,17 @@ void add_late_impulses(const ContactBlock& block, double late_s, PairLanes<T>& s
 /// is not enough, the pair is left as it is. The first reads bodies alone; the second changes them, so that blocks of a
 /// colour come one after another.
 template <class T>
-void measure_angular_change(const ContactSystem& system, const ContactBlock& block, PairLanes<T>& shared);
+void measure_angular_change(const SplitSystem& system, const ContactBlock& block, PairLanes<T>& shared);
 template <class T>
-void return_angular_momentum(const ContactSystem& system, const ContactBlock& block, const PairLanes<T>& shared);
+void return_angular_momentum(const SplitSystem& system, const ContactBlock& block, const PairLanes<T>& shared);
 
 extern template void add_late_impulses(const ContactBlock&, double, PairLanes<float>&,
                                        std::span<const PointLanes<float>>);
 extern template void add_late_impulses(const ContactBlock&, double, PairLanes<double>&,
                                        std::span<const PointLanes<double>>);
-extern template void measure_angular_change(const ContactSystem&, const ContactBlock&, PairLanes<float>&);
-extern template void measure_angular_change(const ContactSystem&, const ContactBlock&, PairLanes<double>&);
-extern template void return_angular_momentum(const ContactSystem&, const ContactBlock&, const PairLanes<float>&);
-extern template void return_angular_momentum(const ContactSystem&, const ContactBlock&, const PairLanes<double>&);
+extern template void measure_angular_change(const SplitSystem&, const ContactBlock&, PairLanes<float>&);
+extern template void measure_angular_change(const SplitSystem&, const ContactBlock&, PairLanes<double>&);
+extern template void return_angular_momentum(const SplitSystem&, const ContactBlock&, const PairLanes<float>&);
+extern template void return_angular_momentum(const SplitSystem&, const ContactBlock&, const PairLanes<double>&);
 
 }  // namespace poise::solver

@@ -10,7 +10,7 @@ namespace poise::solver {
 namespace {
 
 // What the lanes of a block are filled from; names its pairs and bodies in it.
-void gather_sources(const ContactSystem& system, double substep_s, ContactBlock& block, LaneSources& sources) {
+void gather_sources(const SplitSystem& system, double substep_s, ContactBlock& block, LaneSources& sources) {
   static const Manifold no_pair;
   static const SolverBody nothing;
   static const collision::Pose nowhere;
@@ -25,11 +25,12 @@ void gather_sources(const ContactSystem& system, double substep_s, ContactBlock&
     const bool used = lane < block.count;
     const std::uint32_t name = order[used ? lane : block.count - 1U];
     const Manifold& pair = system.pairs[name];
-    const SolverBody& a = used ? system.bodies[pair.a] : nothing;
-    const SolverBody& b = used ? system.bodies[pair.b] : nothing;
+    const RowEnds ends = system.ends_of(name);
+    const SolverBody& a = used ? system.body(ends.a) : nothing;
+    const SolverBody& b = used ? system.body(ends.b) : nothing;
     block.pair[lane] = name;
-    block.a[lane] = pair.a;
-    block.b[lane] = pair.b;
+    block.a[lane] = ends.a;
+    block.b[lane] = ends.b;
     sources.a[lane] = &a;
     sources.b[lane] = &b;
     sources.pose_a[lane] = used ? &system.poses[pair.a] : &nowhere;
@@ -61,7 +62,7 @@ ScaledInverseInertia<T> scaled_inverse_inertia(const SolverBody& body, const Mat
 }
 
 template <class T>
-void fill_block(const ContactSystem& system, const BlockTerms& terms, ContactBlock& block, PairLanes<T>& shared,
+void fill_block(const SplitSystem& system, const BlockTerms& terms, ContactBlock& block, PairLanes<T>& shared,
                 Lanes<T>& lanes) {
   const std::span<PointLanes<T>> manifold_points = lanes.manifold_points_of(block);
   LaneSources sources;
@@ -99,7 +100,7 @@ void add_late_impulse(double late_s, std::span<const PointLanes<T>> points, std:
 }
 
 template <class T>
-void write_back_block(const ContactSystem& system, const SubstepTimes& times, ContactBlock& block, PairLanes<T>& shared,
+void write_back_block(const SplitSystem& system, const SubstepTimes& times, ContactBlock& block, PairLanes<T>& shared,
                       std::span<const PointLanes<T>> manifold_points, std::span<const TotalLanes<T>> totals) {
   const double still_square = times.still_mps * times.still_mps;
   LaneForces forces;
@@ -119,8 +120,8 @@ void write_back_block(const ContactSystem& system, const SubstepTimes& times, Co
     system.applied_impulse_ns[block.pair[lane]] = sum;
     const bool pushed = (std::uint32_t{block.pushed} >> lane & 1U) != 0;
     if (!pushed && sum.isZero(0) && moment_a.isZero(0)) continue;
-    SolverBody& a = system.bodies[block.a[lane]];
-    SolverBody& b = system.bodies[block.b[lane]];
+    SolverBody& a = system.body(block.a[lane]);
+    SolverBody& b = system.body(block.b[lane]);
     // Where something pulls, angular momentum is not that of the bodies alone.
     const bool free = a.inverse_mass > 0 && b.inverse_mass > 0 && !a.pulled && !b.pulled;
     if (free && (b.velocity_mps - a.velocity_mps).squaredNorm() > still_square) {
@@ -129,16 +130,16 @@ void write_back_block(const ContactSystem& system, const SubstepTimes& times, Co
     }
     if (a.inverse_mass > 0) {
       a.velocity_mps -= a.inverse_mass * sum;
-      a.spin_radps.noalias() -= system.inverse_inertia[block.a[lane]] * moment_a;
+      a.spin_radps.noalias() -= system.inverse_inertia_of(block.a[lane]) * moment_a;
       a.solved = true;
     }
     if (b.inverse_mass > 0) {
-      const Vec3 a_to_b = system.poses[block.b[lane]].position_m - system.poses[block.a[lane]].position_m;
+      const Vec3 a_to_b = system.pose_of(block.b[lane]).position_m - system.pose_of(block.a[lane]).position_m;
       b.velocity_mps += b.inverse_mass * sum;
       const Vec3 moment_b(moment_a.x() - (a_to_b.y() * sum.z() - a_to_b.z() * sum.y()),
                           moment_a.y() - (a_to_b.z() * sum.x() - a_to_b.x() * sum.z()),
                           moment_a.z() - (a_to_b.x() * sum.y() - a_to_b.y() * sum.x()));
-      b.spin_radps.noalias() += system.inverse_inertia[block.b[lane]] * moment_b;
+      b.spin_radps.noalias() += system.inverse_inertia_of(block.b[lane]) * moment_b;
       b.solved = true;
     }
   }
@@ -146,13 +147,13 @@ void write_back_block(const ContactSystem& system, const SubstepTimes& times, Co
 
 template ScaledInverseInertia<float> scaled_inverse_inertia(const SolverBody&, const Mat3&);
 template ScaledInverseInertia<double> scaled_inverse_inertia(const SolverBody&, const Mat3&);
-template void fill_block(const ContactSystem&, const BlockTerms&, ContactBlock&, PairLanes<float>&, Lanes<float>&);
-template void fill_block(const ContactSystem&, const BlockTerms&, ContactBlock&, PairLanes<double>&, Lanes<double>&);
+template void fill_block(const SplitSystem&, const BlockTerms&, ContactBlock&, PairLanes<float>&, Lanes<float>&);
+template void fill_block(const SplitSystem&, const BlockTerms&, ContactBlock&, PairLanes<double>&, Lanes<double>&);
 template void add_totals(const ContactBlock&, bool, Lanes<float>&);
 template void add_totals(const ContactBlock&, bool, Lanes<double>&);
-template void write_back_block(const ContactSystem&, const SubstepTimes&, ContactBlock&, PairLanes<float>&,
+template void write_back_block(const SplitSystem&, const SubstepTimes&, ContactBlock&, PairLanes<float>&,
                                std::span<const PointLanes<float>>, std::span<const TotalLanes<float>>);
-template void write_back_block(const ContactSystem&, const SubstepTimes&, ContactBlock&, PairLanes<double>&,
+template void write_back_block(const SplitSystem&, const SubstepTimes&, ContactBlock&, PairLanes<double>&,
                                std::span<const PointLanes<double>>, std::span<const TotalLanes<double>>);
 
 }  // namespace poise::solver

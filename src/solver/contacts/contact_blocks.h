@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "parallel/unset_vector.h"
-#include "solver/contact_solver.h"
 #include "solver/contacts/contact_lanes.h"
+#include "solver/contacts/split_system.h"
 #include "solver/lane_memory.h"
 
 namespace poise::solver {
@@ -25,6 +25,7 @@ struct Lanes {
   std::span<MotionChange<T>> motions;  // one a body
   std::span<SpeedChange<T>> begun;     // velocities and spins when the substep began
   std::span<ScaledInverseInertia<T>> scaled_inverse_inertias;  // one a body
+  std::size_t known = 0;                                       // bodies of the last step in this precision
   bool used_last = false;  // by the last step: motions and what is beside them know what rests
 
   std::span<PointLanes<T>> manifold_points_of(const ContactBlock& block) {
@@ -55,7 +56,7 @@ struct BlockTerms {
 
 /// Fills a block, whose `begin`, `count`, `manifold_points` and `first` are set, and its lanes from its pairs.
 template <class T>
-void fill_block(const ContactSystem& system, const BlockTerms& terms, ContactBlock& block, PairLanes<T>& shared,
+void fill_block(const SplitSystem& system, const BlockTerms& terms, ContactBlock& block, PairLanes<T>& shared,
                 Lanes<T>& lanes);
 
 /// Adds the impulses of a substep to the totals of the step; those of the first substep are the first.
@@ -66,20 +67,19 @@ void add_totals(const ContactBlock& block, bool first, Lanes<T>& lanes);
 /// bodies, and stores the forces of the last substep, which warm start the next step. Completes the shifts of pairs
 /// that slide, and notes them in `block`.
 template <class T>
-void write_back_block(const ContactSystem& system, const SubstepTimes& times, ContactBlock& block, PairLanes<T>& shared,
+void write_back_block(const SplitSystem& system, const SubstepTimes& times, ContactBlock& block, PairLanes<T>& shared,
                       std::span<const PointLanes<T>> manifold_points, std::span<const TotalLanes<T>> totals);
 
 extern template ScaledInverseInertia<float> scaled_inverse_inertia(const SolverBody&, const Mat3&);
 extern template ScaledInverseInertia<double> scaled_inverse_inertia(const SolverBody&, const Mat3&);
-extern template void fill_block(const ContactSystem&, const BlockTerms&, ContactBlock&, PairLanes<float>&,
-                                Lanes<float>&);
-extern template void fill_block(const ContactSystem&, const BlockTerms&, ContactBlock&, PairLanes<double>&,
+extern template void fill_block(const SplitSystem&, const BlockTerms&, ContactBlock&, PairLanes<float>&, Lanes<float>&);
+extern template void fill_block(const SplitSystem&, const BlockTerms&, ContactBlock&, PairLanes<double>&,
                                 Lanes<double>&);
 extern template void add_totals(const ContactBlock&, bool, Lanes<float>&);
 extern template void add_totals(const ContactBlock&, bool, Lanes<double>&);
-extern template void write_back_block(const ContactSystem&, const SubstepTimes&, ContactBlock&, PairLanes<float>&,
+extern template void write_back_block(const SplitSystem&, const SubstepTimes&, ContactBlock&, PairLanes<float>&,
                                       std::span<const PointLanes<float>>, std::span<const TotalLanes<float>>);
-extern template void write_back_block(const ContactSystem&, const SubstepTimes&, ContactBlock&, PairLanes<double>&,
+extern template void write_back_block(const SplitSystem&, const SubstepTimes&, ContactBlock&, PairLanes<double>&,
                                       std::span<const PointLanes<double>>, std::span<const TotalLanes<double>>);
 
 }  // namespace poise::solver

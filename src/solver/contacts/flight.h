@@ -3,12 +3,13 @@
 
 #include "solver/contact_solver.h"
 #include "solver/contacts/contact_blocks.h"
+#include "solver/contacts/split_system.h"
 
 namespace poise::solver {
 
 /// Motion of a body in a step without contacts; impulses are added to it.
-inline void fly(const ContactSystem& system, std::size_t i, double dt_s) {
-  SolverBody& body = system.bodies[i];
+inline void fly(const SplitSystem& system, std::size_t i, double dt_s) {
+  SolverBody& body = system.body(i);
   body.moved_m = dt_s * body.velocity_mps;
   body.turned_rad = dt_s * body.spin_radps;
   const Acceleration& pull = system.acceleration_of(i);

@@ -2,25 +2,25 @@
 #pragma once
 
 #include "parallel/prefetch.h"
-#include "solver/contact_solver.h"
 #include "solver/contacts/contact_lanes.h"
+#include "solver/contacts/split_system.h"
 
 /// Prefetches what a block's pairs need, some blocks ahead: pairs of one colour lie far apart in memory.
 namespace poise::solver {
 
 /// The pairs themselves, which the others look at.
-HWY_INLINE void prefetch_pairs(const ContactSystem& system, const ContactBlock& block) {
+HWY_INLINE void prefetch_pairs(const SplitSystem& system, const ContactBlock& block) {
   for (const std::uint32_t name : system.coloring.order().subspan(block.begin, block.count))
     parallel::prefetch(system.pairs[name]);
 }
 
-HWY_INLINE void prefetch_forces(const ContactSystem& system, const Manifold& pair) {
+HWY_INLINE void prefetch_forces(const SplitSystem& system, const Manifold& pair) {
   parallel::prefetch(system.forces[pair.force_begin]);
   parallel::prefetch(system.forces[pair.force_begin + pair.point_count - 1U]);
 }
 
 /// What fill_block reads.
-HWY_INLINE void prefetch_points(const ContactSystem& system, const ContactBlock& block) {
+HWY_INLINE void prefetch_points(const SplitSystem& system, const ContactBlock& block) {
   for (const std::uint32_t name : system.coloring.order().subspan(block.begin, block.count)) {
     const Manifold& pair = system.pairs[name];
     if (system.solved_points(name) == 0) continue;
@@ -34,7 +34,7 @@ HWY_INLINE void prefetch_points(const ContactSystem& system, const ContactBlock&
 }
 
 /// What write_back_block reads and writes.
-HWY_INLINE void prefetch_results(const ContactSystem& system, const ContactBlock& block) {
+HWY_INLINE void prefetch_results(const SplitSystem& system, const ContactBlock& block) {
   for (std::size_t lane = 0; lane < block.count; ++lane) {
     const Manifold& pair = system.pairs[block.pair[lane]];
     if (system.solved_points(block.pair[lane]) == 0) continue;

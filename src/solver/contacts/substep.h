@@ -4,6 +4,7 @@
 #include "solver/contact_solver.h"
 #include "solver/contacts/contact_blocks.h"
 #include "solver/contacts/contact_lanes.h"
+#include "solver/contacts/split_system.h"
 
 /// How a substep of the contact solver begins and ends for a body, and what its lanes are to know of it.
 namespace poise::solver {
@@ -14,6 +15,7 @@ inline constexpr double kPushShare = 0.1;
 inline constexpr double kMaxPushMps = 0.3;
 
 /// The figures of a motion one after another: v, w, x, q.
+inline constexpr std::size_t kFiguresOfMotion = 12;
 template <class T>
 T* figures(MotionChange<T>& motion) {
   return motion.v;
@@ -26,7 +28,7 @@ T* figures(SpeedChange<T>& speed) {
 
 /// Begins a substep: forces, and from the second one on what contacts gave in the one before.
 template <class T>
-void begin_substep(const ContactSystem& system, std::size_t i, double h_s, bool first, Lanes<T>& lanes) {
+void begin_substep(const SplitSystem& system, std::size_t i, double h_s, bool first, Lanes<T>& lanes) {
   T* const now = figures(lanes.motions[i]);
   T* const begun = figures(lanes.begun[i]);
   const Acceleration& pull = system.acceleration_of(i);

@@ -8,19 +8,18 @@
 
 namespace poise::solver {
 
-/// Calls solve(step, begin, end) for all rows, at most `most` at a time, colour after colour: in parallel within a
-/// colour, whose rows share no dynamic body, and one by one where no colour was free. The order is that of the rows, so
-/// the result does not depend on threads. Steps are the colours, and then one for all rows without a colour.
+/// Calls solve(step, begin, end) for the rows of each colour of the first set, at most `most` at a time, colour after
+/// colour: in parallel within a colour, whose rows share no dynamic body. The order is that of the rows, so the result
+/// does not depend on threads. Steps are these colours; what shares bodies is one more.
 template <class Solve>
 void for_each_run(const System& system, std::size_t most, parallel::Executor& executor, Solve&& solve) {
-  const std::uint32_t colors = system.coloring.colors();
+  const std::uint32_t colors = system.coloring.own_colors();
   for (std::uint32_t color = 0; color < colors; ++color) {
     const std::size_t first = system.coloring.begin(color);
     const std::size_t count = system.coloring.begin(color + 1) - first;
     parallel::parallel_for(executor, count, most,
                            [&](std::size_t begin, std::size_t end, int) { solve(color, first + begin, first + end); });
   }
-  for (std::size_t i = system.coloring.serial_begin(); i < system.rows.size(); ++i) solve(colors, i, i + 1);
 }
 
 /// True if the last iteration changed no impulse by more than the share of the largest one that `stopping` allows.

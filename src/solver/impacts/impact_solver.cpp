@@ -83,7 +83,7 @@ class Rounds {
         changed_(system.scratch.changed),
         activations_(system.scratch.activations),
         distant_(system.rows.size() > parallel::kPairsAtHand),
-        steps_(system.coloring.colors() + 1) {
+        steps_(system.coloring.own_colors() + 1) {
     changed_.assign(system.bodies.size(), 0);
   }
 
@@ -95,13 +95,13 @@ class Rounds {
       const Turn turn{round == 1, round * steps_ + step};
       if (answer(turn, begin, end) && solved.get() == 0) solved.set(1);
     });
-    return solved.get() != 0;
+    return answer_shared({round == 1, round * steps_ + steps_ - 1}, executor) || solved.get() != 0;
   }
 
   // After the last round. A pair that closes fast enough to rebound keeps its speed until it meets, in this step or the
   // next. Each look has noted it; rows that impulses changed since are looked at again.
   void note_rebounds(std::uint32_t last_round, parallel::Executor& executor) {
-    for_each_run(system_, ImpactBatch::kRows, executor, [&](std::uint32_t step, std::size_t begin, std::size_t end) {
+    const auto note = [&](std::uint32_t step, std::size_t begin, std::size_t end) {
       const Turn turn{false, (last_round + 1) * steps_ + step};
       ImpactBatch batch;
       for (std::size_t i = begin; i < end; ++i) {
@@ -109,7 +109,9 @@ class Rounds {
         if (gate.ready && (gate.kind != RowKind::Wrench || !skips(turn, gate))) add(i, batch);
       }
       look(batch);
-    });
+    };
+    for_each_run(system_, ImpactBatch::kRows, executor, note);
+    for_shared_rows(executor, [&](std::size_t begin, std::size_t end) { note(steps_ - 1, begin, end); });
   }
 
  private:
@@ -169,10 +171,13 @@ class Rounds {
     if (system_.bodies[b].inverse_mass > 0) changed_[b] = turn.now;
   }
 
-  // Rows of one colour; true if one needed an impulse.
-  bool answer(const Turn& turn, std::size_t begin, std::size_t end) {
-    ImpactBatch batch;
-    RowList awake, by_points, overlapping;
+  // Rows that are to be looked at, filled if they were not yet, by what they answer by.
+  struct Awake {
+    ImpactBatch by_wrench;
+    RowList by_points, overlapping;
+  };
+  void wake(const Turn& turn, std::size_t begin, std::size_t end, Awake& into) {
+    RowList awake;
     for (std::size_t i = begin; i < end; ++i) {
       if (distant_ && i + kChangesAhead < activations_.size()) prefetch_changes(activations_[i + kChangesAhead]);
       awake.add_if(!skips(turn, activations_[i]), i);
@@ -185,13 +190,49 @@ class Rounds {
       }
       if (gate.kind == RowKind::Degenerate) continue;
       if (gate.kind == RowKind::Wrench) {
-        add(i, batch);
+        add(i, into.by_wrench);
       } else {
-        if (turn.first) by_points.add(i);
-        if (gate.overlap_count > 0) overlapping.add(i);
+        if (turn.first) into.by_points.add(i);
+        if (gate.overlap_count > 0) into.overlapping.add(i);
       }
     }
-    look(batch);
+    look(into.by_wrench);
+  }
+
+  template <class Visit>
+  void for_shared_rows(parallel::Executor& executor, Visit&& visit) {
+    const std::size_t first = system_.coloring.shared_begin();
+    parallel::parallel_for(executor, system_.rows.size() - first, ImpactBatch::kRows,
+                           [&](std::size_t begin, std::size_t end, int) { visit(first + begin, first + end); });
+  }
+
+  // Rows without a colour of their own; true if one needed an impulse. All are looked at as their bodies stand; then
+  // those that need an impulse are answered one after another, each as the ones before it left its bodies.
+  bool answer_shared(const Turn& turn, parallel::Executor& executor) {
+    const std::size_t first = system_.coloring.shared_begin();
+    if (first == system_.rows.size()) return false;
+    std::vector<std::uint8_t>& needed = system_.scratch.needed;
+    needed.assign(system_.rows.size() - first, 0);
+    for_shared_rows(executor, [&](std::size_t begin, std::size_t end) {
+      Awake awake;
+      wake(turn, begin, end, awake);
+      const ImpactBatch& batch = awake.by_wrench;
+      for_each_bit(batch.needs | batch.overlaps_rebound, [&](std::size_t k) { needed[batch.row[k] - first] = 1; });
+      for (const std::uint32_t i : awake.by_points.all()) needed[i - first] = 1;
+      for (const std::uint32_t i : awake.overlapping.all()) needed[i - first] = 1;
+    });
+    bool solved = false;
+    for (std::size_t k = 0; k < needed.size(); ++k) {
+      if (needed[k] != 0 && answer(turn, first + k, first + k + 1)) solved = true;
+    }
+    return solved;
+  }
+
+  // Rows of one colour; true if one needed an impulse.
+  bool answer(const Turn& turn, std::size_t begin, std::size_t end) {
+    Awake awake;
+    wake(turn, begin, end, awake);
+    auto& [batch, by_points, overlapping] = awake;
     bool solved = give(turn, batch);
     for_each_bit(batch.needs | batch.overlaps_rebound, [&](std::size_t k) {
       const RowActivation& gate = activations_[batch.row[k]];

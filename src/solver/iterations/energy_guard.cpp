@@ -12,13 +12,13 @@ Vec3 of(const double (&parts)[3]) { return {parts[0], parts[1], parts[2]}; }
 
 }  // namespace
 
-void EnergyGuard::begin(const ContactSystem& system, std::span<const ContactBlock> blocks) {
+void EnergyGuard::begin(const SplitSystem& system, std::span<const ContactBlock> blocks) {
   names_.clear();
   driven_ = false;
   for (const ContactBlock& block : blocks) {
     for (std::size_t lane = 0; lane < block.count; ++lane) {
       for (const std::uint32_t name : {block.a[lane], block.b[lane]}) {
-        const SolverBody& body = system.bodies[name];
+        const SolverBody& body = system.body(name);
         if (body.inverse_mass > 0) names_.push_back(name);
         driven_ = driven_ || (body.inverse_mass == 0 && !(body.velocity_mps.isZero(0) && body.spin_radps.isZero(0)));
       }
@@ -28,9 +28,9 @@ void EnergyGuard::begin(const ContactSystem& system, std::span<const ContactBloc
   names_.erase(std::unique(names_.begin(), names_.end()), names_.end());
   bodies_.clear();
   for (const std::uint32_t name : names_) {
-    const SolverBody& body = system.bodies[name];
+    const SolverBody& body = system.body(name);
     bodies_.push_back(
-        {name, 1 / body.inverse_mass, system.inverse_inertia[name].inverse(), body.velocity_mps, body.spin_radps});
+        {name, 1 / body.inverse_mass, system.inverse_inertia_of(name).inverse(), body.velocity_mps, body.spin_radps});
   }
   fill_lanes();
 }
@@ -57,7 +57,7 @@ EnergyGuard::Speed EnergyGuard::speed(const Body& body, const Change& change) {
   return {body.velocity_mps + of(change.v), body.spin_radps + of(change.w)};
 }
 
-EnergyGuard::Speed EnergyGuard::speed_alone(const ContactSystem& system, const Body& body,
+EnergyGuard::Speed EnergyGuard::speed_alone(const SplitSystem& system, const Body& body,
                                             const SpeedChange<double>& begun, double h_s) {
   const Acceleration& pull = system.acceleration_of(body.name);
   const Speed before = speed(body, begun);
@@ -73,7 +73,7 @@ double EnergyGuard::joules(std::span<const MotionChange<double>> changes) const 
   return kinetic_j(lanes_, changes.data());
 }
 
-double EnergyGuard::joules_alone(const ContactSystem& system, std::span<const SpeedChange<double>> begun,
+double EnergyGuard::joules_alone(const SplitSystem& system, std::span<const SpeedChange<double>> begun,
                                  double h_s) const {
   double sum = 0;
   for (const Body& body : bodies_) {
@@ -83,7 +83,7 @@ double EnergyGuard::joules_alone(const ContactSystem& system, std::span<const Sp
   return sum;
 }
 
-double EnergyGuard::best_share(const ContactSystem& system, std::span<const SpeedChange<double>> begun, double h_s,
+double EnergyGuard::best_share(const SplitSystem& system, std::span<const SpeedChange<double>> begun, double h_s,
                                std::span<const MotionChange<double>> changes) const {
   if (driven_) return 1.0;
   // With a share s of the impulses the energy is that without, plus s times `slope`, plus s^2 / 2 times `bend`.
@@ -99,8 +99,8 @@ double EnergyGuard::best_share(const ContactSystem& system, std::span<const Spee
   return bend > 0 ? std::clamp(-slope / bend, 0.0, 1.0) : 1.0;
 }
 
-void EnergyGuard::scale(const ContactSystem& system, std::span<const SpeedChange<double>> begun, double h_s,
-                        double share, std::span<MotionChange<double>> changes) const {
+void EnergyGuard::scale(const SplitSystem& system, std::span<const SpeedChange<double>> begun, double h_s, double share,
+                        std::span<MotionChange<double>> changes) const {
   for (const Body& body : bodies_) {
     const Speed alone = speed_alone(system, body, begun[body.name], h_s);
     MotionChange<double>& change = changes[body.name];

@@ -5,8 +5,8 @@
 #include <span>
 #include <vector>
 
-#include "solver/contact_solver.h"
 #include "solver/contacts/contact_lanes.h"
+#include "solver/contacts/split_system.h"
 #include "solver/iterations/energy_lanes.h"
 
 namespace poise::solver {
@@ -16,20 +16,20 @@ namespace poise::solver {
 class EnergyGuard {
  public:
   /// Before forces act on `system`.
-  void begin(const ContactSystem& system, std::span<const ContactBlock> blocks);
+  void begin(const SplitSystem& system, std::span<const ContactBlock> blocks);
   /// Joules, with these changes on top of the velocities at the start of the step.
   [[nodiscard]] double joules(std::span<const MotionChange<double>> changes) const;
   /// The same with what the accelerations add in `h_s`, and no contact.
-  [[nodiscard]] double joules_alone(const ContactSystem& system, std::span<const SpeedChange<double>> begun,
+  [[nodiscard]] double joules_alone(const SplitSystem& system, std::span<const SpeedChange<double>> begun,
                                     double h_s) const;
 
   /// What share of the impulses takes most energy from the bodies, at most all: with `changes` they have all, with
   /// `begun` and what accelerations add in `h_s`, none. It is 1 for the answer itself, where no place parts under its
   /// load. All of them where something moves that has no mass: what it pushes gains energy rightly.
-  [[nodiscard]] double best_share(const ContactSystem& system, std::span<const SpeedChange<double>> begun, double h_s,
+  [[nodiscard]] double best_share(const SplitSystem& system, std::span<const SpeedChange<double>> begun, double h_s,
                                   std::span<const MotionChange<double>> changes) const;
   /// Leaves the bodies with this share.
-  void scale(const ContactSystem& system, std::span<const SpeedChange<double>> begun, double h_s, double share,
+  void scale(const SplitSystem& system, std::span<const SpeedChange<double>> begun, double h_s, double share,
              std::span<MotionChange<double>> changes) const;
 
   /// Saves the velocities of these bodies; `restore` brings them back to the bit.
@@ -49,7 +49,7 @@ class EnergyGuard {
   void fill_lanes();
   template <class Change>
   static Speed speed(const Body& body, const Change& change);
-  static Speed speed_alone(const ContactSystem& system, const Body& body, const SpeedChange<double>& begun, double h_s);
+  static Speed speed_alone(const SplitSystem& system, const Body& body, const SpeedChange<double>& begun, double h_s);
   static double product(const Body& body, const Speed& a, const Speed& b);
 
   std::vector<std::uint32_t> names_;

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "solver/contacts/contact_lanes.h"
+#include "solver/contacts/split_system.h"
 #include "solver/iterations/iteration_limit.h"
 
 /// The iterations of a substep: what one of them has changed, and whether another one is worth it.
@@ -14,7 +15,7 @@ namespace poise::solver {
 /// How the iterations of one substep are done.
 template <class T>
 struct Iterating {
-  const ContactSystem& system;
+  const SplitSystem& system;
   const SolveSettings& settings;
   const IterationLimit& limit;
   const SubstepTerms<T>& terms;

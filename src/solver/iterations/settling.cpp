@@ -10,7 +10,7 @@ Vec3 vector(const double (&from)[3]) { return {from[0], from[1], from[2]}; }
 
 }  // namespace
 
-bool Settling::settled(const ContactSystem& system, std::span<const MotionChange<double>> now,
+bool Settling::settled(const SplitSystem& system, std::span<const MotionChange<double>> now,
                        std::span<const SpeedChange<double>> begun, double h_s, std::uint32_t iterations, double share) {
   const bool due = iterations >= kFirst && (iterations & (iterations - 1)) == 0;
   if (!due) return false;

@@ -5,8 +5,8 @@
 #include <span>
 #include <vector>
 
-#include "solver/contact_solver.h"
 #include "solver/contacts/contact_lanes.h"
+#include "solver/contacts/split_system.h"
 
 namespace poise::solver {
 
@@ -25,7 +25,7 @@ class Settling {
   /// After each of them, with the velocities `now`, and `begun` before forces and contacts acted. True where n is due,
   /// and the mean square of what the second half of the iterations changed is at most share^2 times that of all that
   /// the contacts change. A spin counts with the mean inertia, as in the error of a body.
-  bool settled(const ContactSystem& system, std::span<const MotionChange<double>> now,
+  bool settled(const SplitSystem& system, std::span<const MotionChange<double>> now,
                std::span<const SpeedChange<double>> begun, double h_s, std::uint32_t iterations, double share);
 
  private:
