@@ -69,12 +69,12 @@ Margin margin_of(const StepTerms& terms, const BodyBounds& a, const BodyBounds& 
   return made;
 }
 
-// The bodies of a candidate, a plane second, and a ball first unless the other one is a ball too: the plane of a
-// contact point is fixed to the second one, and a ball that rolls must not carry it along.
+// The bodies of a candidate by their places, else by their slots: the plane of a contact point is fixed to the second
+// one, and a ball that rolls must not carry it along.
 struct OrderedPair {
   OrderedPair(const parallel::UnsetVector<BodyBounds>& bounds, const collision::CandidatePair& candidate)
       : a(candidate.low), b(candidate.high) {
-    if (bounds[a].plane || (bounds[b].ball && !bounds[a].ball)) std::swap(a, b);
+    if (bounds[a].place > bounds[b].place) std::swap(a, b);
   }
   std::uint32_t a, b;
 };
@@ -115,7 +115,7 @@ void set_levels(const SceneView& scene, const StepTerms& terms, const PredictedM
   const BodyBounds& a = motion.body_bounds[slot_a];
   const BodyBounds& b = motion.body_bounds[slot_b];
   start.deepest = std::min(terms.max_level, std::max(a.depth, b.depth));
-  start.on_ball = a.ball && !b.ball && !b.plane;
+  start.on_ball = a.place == BodyBounds::Place::Ball && b.place == BodyBounds::Place::Between;
   if (!terms.polygons || (!a.meshed && !b.meshed)) return;
   collision::PairLevel level;
   level.deepest = start.deepest;

@@ -13,8 +13,6 @@ namespace poise::simulation {
 namespace {
 
 constexpr std::size_t kPredictGrain = 512;
-// A root sphere nearer to the centre of mass than this share of its radius is about it.
-constexpr double kRounding = 1e-9;
 
 double motion_bound_m(const PredictInput& input, std::size_t slot) {
   const dynamics::BodyStore& bodies = input.scene.bodies;
@@ -35,6 +33,7 @@ BodyBounds make_body_bounds(const PredictInput& input, const collision::Pose& po
   made.meshed = shape.surface != nullptr;
   if (shape.kind == ShapeKind::Plane) {
     made.plane = true;
+    made.place = BodyBounds::Place::Plane;
     made.position_m.noalias() = pose.rotation * shape.plane_normal;
     made.bound_m = made.position_m.dot(pose.position_m) + shape.plane_offset_m;
     return made;
@@ -44,9 +43,9 @@ BodyBounds make_body_bounds(const PredictInput& input, const collision::Pose& po
   made.radius_m = shape.bounding_radius_m;
   made.bound_m = made.radius_m * (1.0 + kSkin) + motion_bound_m(input, i);
   const Sphere root = shape.tree.sphere(0);
-  made.ball = made.depth == 0 && !made.meshed && root.center_m.norm() <= kRounding * root.radius_m;
   made.root_center_m = pose.position_m + pose.rotation * root.center_m;
   made.root_radius_m = root.radius_m;
+  if (made.depth == 0 && !made.meshed && made.radius_m == root.radius_m) made.place = BodyBounds::Place::Ball;
   made.estimated_radius_m = made.root_radius_m - collision::coarsest_lift_m(shape);
   if (!bodies.moves(i)) return made;
   made.velocity_mps = bodies.velocity(i);

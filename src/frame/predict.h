@@ -36,8 +36,10 @@ struct alignas(64) BodyBounds {
   double radius_m = 0;
   bool plane = false, dynamic = false;
   bool meshed = false;  ///< its shape has a surface of polygons
-  bool ball = false;    ///< its surface is its root sphere, about its centre of mass
-  Level depth = 0;      ///< of its tree; 0 of a plane
+  /// Place in a pair: a ball about its centre of mass comes before what is neither, and that before a plane.
+  enum class Place : std::uint8_t { Ball, Between, Plane };
+  Place place = Place::Between;
+  Level depth = 0;  ///< of its tree; 0 of a plane
 };
 static_assert(sizeof(BodyBounds) == 128);
 

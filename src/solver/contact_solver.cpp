@@ -39,6 +39,8 @@ constexpr double kFarOfStill = 0.01;
 constexpr double kDiverged = 2;
 // How many blocks ahead what they read is prefetched.
 constexpr std::size_t kPairsAhead = 3, kAhead = 1;
+// Of loops that do no more than look at them.
+constexpr std::size_t kBlocksAtOnce = 16;
 // With as many iterations in a substep, or more, threads are used only if they pay.
 constexpr std::uint32_t kManyIterations = 8;
 
@@ -101,6 +103,9 @@ struct ContactSolver::Buffers {
   template <class T, class Apply>
   Iterated iterate(const Iterating<T>& how, bool last_substep, Apply&& apply, Convergence& ended,
                    parallel::Executor& executor);
+  // Returns angular momentum that pairs took or added (angular_balance.h).
+  template <class T>
+  void balance(const SplitSystem& system, parallel::Executor& executor);
   // Nothing where the limit says only_collisions, and there are none: then nothing was changed either.
   template <class T>
   std::optional<Convergence> solve(const SplitSystem& system, const SolveSettings& settings,
@@ -364,10 +369,20 @@ Iterated ContactSolver::Buffers::iterate(const Iterating<T>& how, bool last_subs
 }
 
 template <class T>
+void ContactSolver::Buffers::balance(const SplitSystem& system, parallel::Executor& executor) {
+  const Lanes<T>& all = lanes<T>();
+  parallel::parallel_for(executor, blocks.size(), kBlocksAtOnce, [&](std::size_t begin, std::size_t end, int) {
+    for (std::size_t i = begin; i < end; ++i) measure_angular_change(system, blocks[i], all.pairs[i]);
+  });
+  iteration(threads<T>().alone(), executor,
+            [&](std::size_t i) { return_angular_momentum(system, blocks[i], all.pairs[i]); });
+  join_velocities(system, executor);
+}
+
+template <class T>
 std::optional<Convergence> ContactSolver::Buffers::solve(const SplitSystem& system, const SolveSettings& settings,
                                                          const IterationLimit& limit, parallel::Executor& executor) {
   constexpr std::size_t kGrain = 512;
-  constexpr std::size_t kBlocksAtOnce = 16;
   const IterationLimit full = limit.only_collisions ? limit : limit_of(system, settings, kMaxPointIterations);
   const double h_s = settings.dt_s / settings.substeps;
   const bool watch = limit.most > 1;
@@ -439,14 +454,10 @@ std::optional<Convergence> ContactSolver::Buffers::solve(const SplitSystem& syst
     end_substep(i, h_s, all);
     land(all.motions[i], system.body(i));
   });
-  const bool alone = threads<T>().alone();
-  if (watch) iteration(alone, executor, [&](std::size_t i) { give(i, all.totals_of(blocks[i])); });
+  if (watch) iteration(threads<T>().alone(), executor, [&](std::size_t i) { give(i, all.totals_of(blocks[i])); });
   join_velocities(system, executor);
-  if (std::ranges::any_of(blocks, [](const ContactBlock& block) { return block.shifted != 0; })) {
-    for_blocks([&](std::size_t i) { measure_angular_change(system, blocks[i], all.pairs[i]); });
-    iteration(alone, executor, [&](std::size_t i) { return_angular_momentum(system, blocks[i], all.pairs[i]); });
-    join_velocities(system, executor);
-  }
+  if (std::ranges::any_of(blocks, [](const ContactBlock& block) { return block.shifted != 0; }))
+    balance<T>(system, executor);
   return ended;
 }
 

@@ -303,15 +303,15 @@ TEST(Command, EndsAtCtrlCAndAtSigtermWithItsReportsWritten) {
 TEST(Command, ListsTheScenesThatShip) {
   const CommandResult table = poise_command({"scenes"});
   EXPECT_EQ(table.exit_code, 0) << table.error;
-  for (const char* name : {"bullets", "two-body", "pile", "gas", "jacks", "real-meshes", "pour", "metropolis",
-                           "gallery", "billiards", "avalanche", "street", "maze"}) {
+  for (const char* name : {"boulder", "bullets", "two-body", "pile", "gas", "jacks", "real-meshes", "pour",
+                           "metropolis", "gallery", "billiards", "avalanche", "street", "maze"}) {
     EXPECT_NE(table.out.find(name), std::string::npos) << name;
   }
   const json list = json::parse(poise_command({"scenes", "--json"}).out, nullptr, false);
   ASSERT_TRUE(list.is_array());
-  EXPECT_EQ(list.size(), 13U);
-  EXPECT_EQ(list.at(4).at("name"), "gas");
-  EXPECT_EQ(list.at(4).at("bodies"), 1006);
+  EXPECT_EQ(list.size(), 14U);
+  EXPECT_EQ(list.at(5).at("name"), "gas");
+  EXPECT_EQ(list.at(5).at("bodies"), 1006);
 }
 
 TEST(Command, HelpsAndTellsItsVersion) {

@@ -107,20 +107,20 @@ TEST(Refusals, OfBadInputEndWithThree) {
   std::ofstream(folder.file("syntax.json")) << "{\n  \"name\": \"x\",\n  \"dt_s\" 1\n}\n";
   std::ofstream(folder.file("empty.json"));
   expect_refusals(
-      3,
-      {
-          {{"run", "no-such-scene"},
-           "no scene of this name ships (avalanche, billiards, bullets, gallery, gas, jacks, maze, metropolis, pile, "
-           "pour, real-meshes, street, two-body"},
-          {{"run", "jack"}, "a file needs a path such as ./jack; did you mean \"jacks\"?"},
-          {{"run", "/dev/zero"}, "is a pipe or a device, must be a file; SCENE - reads the standard input"},
-          {{"run", "-"}, "standard input: the file is empty"},
-          {{"run", folder.file("none.json")}, "none.json: no such file"},
-          {{"run", folder.path().string()}, "is a directory, must be a scene file"},
-          {{"run", folder.file("bad.json")}, "bad.json: dt_s = 1e400, cannot be represented as a double (line 3)"},
-          {{"run", folder.file("syntax.json")}, "syntax.json: line 3, column 10: not valid JSON"},
-          {{"run", folder.file("empty.json")}, "empty.json: the file is empty"},
-      });
+      3, {
+             {{"run", "no-such-scene"},
+              "no scene of this name ships (avalanche, billiards, boulder, bullets, gallery, gas, jacks, maze, "
+              "metropolis, pile, "
+              "pour, real-meshes, street, two-body"},
+             {{"run", "jack"}, "a file needs a path such as ./jack; did you mean \"jacks\"?"},
+             {{"run", "/dev/zero"}, "is a pipe or a device, must be a file; SCENE - reads the standard input"},
+             {{"run", "-"}, "standard input: the file is empty"},
+             {{"run", folder.file("none.json")}, "none.json: no such file"},
+             {{"run", folder.path().string()}, "is a directory, must be a scene file"},
+             {{"run", folder.file("bad.json")}, "bad.json: dt_s = 1e400, cannot be represented as a double (line 3)"},
+             {{"run", folder.file("syntax.json")}, "syntax.json: line 3, column 10: not valid JSON"},
+             {{"run", folder.file("empty.json")}, "empty.json: the file is empty"},
+         });
   EXPECT_EQ(folder.entries(), 3U);
 }
 
