@@ -80,16 +80,16 @@ struct PairProgress {
   collision::PairLevel level;  ///< what refinement has completed in this frame
   std::uint32_t found = 0;     ///< of FoundContacts; 0: nothing was found, or nothing that is near
   CacheUse cached = CacheUse::None;
-  bool full = false;        ///< its front did not fit into the pool: the pair stays at its level
-  bool exact = false;       ///< its contact counts whatever its level: a pair of backtracking
-  bool on_ball = false;     ///< a is a ball and b is not: where a is touched does not turn with it
-  bool held = false;        ///< its bodies wait: it is refined, but has no response in this frame
-  Level cached_level = 0;   ///< that found out what is cached
-  std::uint8_t seen = 0;    ///< as CachedPair::seen, of this frame if the pair was ranked in it
-  std::uint8_t band = 0;    ///< as CachedPair::band, likewise
-  std::uint8_t waited = 0;  ///< as CachedPair::frames_waited, at most 255
-  bool ranked = false;      ///< in this frame
-  bool points_due = false;  ///< under a deadline: if it comes no further, its contact points are to be made in the end
+  bool full = false;         ///< its front did not fit into the pool: the pair stays at its level
+  bool exact : 1 = false;    ///< its contact counts whatever its level: a pair of backtracking
+  bool on_ball : 1 = false;  ///< a is a ball and b is not: where a is touched does not turn with it
+  bool held = false;         ///< its bodies wait: it is refined, but has no response in this frame
+  Level cached_level = 0;    ///< that found out what is cached
+  std::uint8_t seen = 0;     ///< as CachedPair::seen, of this frame if the pair was ranked in it
+  std::uint8_t band = 0;     ///< as CachedPair::band, likewise
+  std::uint8_t waited = 0;   ///< as CachedPair::frames_waited, at most 255
+  bool ranked = false;       ///< in this frame
+  bool points_due = false;   ///< under a deadline: if it comes no further, its contact points are to be made in the end
   /// Band of the score that its next level waits with, or its last one had; 0: none was found.
   std::uint8_t turn = 0;
   Stop stop = Stop::None;
@@ -137,6 +137,7 @@ struct PairProgress {
            !(cached == CacheUse::Points && cached_level >= level.deepest);
   }
 };
+static_assert(sizeof(PairProgress) == 44);
 
 /// What became of a pair, once refinement has ended.
 PairOutcome outcome_of(const PairProgress& progress);
