@@ -19,6 +19,16 @@ inline bool meet(std::uint32_t group_a, std::uint32_t with_a, std::uint32_t grou
   return (group_a & with_b) != 0 && (group_b & with_a) != 0;
 }
 
+/// Calls use(slot) for the planes that a ball may touch, if it is one that moves.
+template <class Ball, class Use>
+void for_planes(const Ball& self, std::span<const PlaneBound> planes, Use&& use) {
+  if (!self.dynamic) return;
+  for (const PlaneBound& plane : planes) {
+    if (plane.normal.dot(self.center_m) - plane.height_m >= self.radius_m) continue;
+    if (meet(self.group, self.collides_with, plane.group, plane.collides_with)) use(plane.slot);
+  }
+}
+
 /// Squared distance of two centres less that at which the balls would touch.
 template <class A, class B>
 double beyond_m2(const A& self, const B& other) {

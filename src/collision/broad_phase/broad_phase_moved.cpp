@@ -151,11 +151,7 @@ std::optional<BroadPhase::Result> BroadPhase::find_moved(std::span<const MotionB
       }
       scratch.most_found = std::max(scratch.most_found, scratch.resting.size());
       for (const Partner& partner : scratch.resting) add(self.slot, partner.slot);
-      if (!self.dynamic) continue;
-      for (const PlaneBound& plane : planes) {
-        if (plane.normal.dot(self.center_m) - plane.height_m >= self.radius_m) continue;
-        if (meet(self.group, self.collides_with, plane.group, plane.collides_with)) add(self.slot, plane.slot);
-      }
+      for_planes(self, planes, [&](std::uint32_t plane) { add(self.slot, plane); });
     }
     found.flush();
   });

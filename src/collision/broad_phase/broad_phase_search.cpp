@@ -187,11 +187,7 @@ void BroadPhase::search(std::uint32_t entry, std::span<const PlaneBound> planes,
   found.looked_at += most - room;
   scratch.most_found = std::max(scratch.most_found, scratch.found());
   keep_nearest(self, partners, scratch, found);
-  if (!self.dynamic) return;
-  for (const PlaneBound& plane : planes) {
-    if (plane.normal.dot(self.center_m) - plane.height_m >= self.radius_m) continue;
-    if (meet(self.group, self.collides_with, plane.group, plane.collides_with)) found.add(self.slot, plane.slot);
-  }
+  for_planes(self, planes, [&](std::uint32_t plane) { found.add(self.slot, plane); });
 }
 
 // As much for each worker as any search of find() may need, so that no later step has to allocate.
