@@ -44,15 +44,15 @@ struct SolvedCount {
 
 /// Output of *manifolds*. Invariant: buffers only grow.
 struct Manifolds {
-  parallel::UnsetVector<PairPoints> points;             ///< one a pair
-  parallel::UnsetVector<solver::Manifold> manifolds;    ///< of the solved pairs, in canonical order
-  parallel::UnsetVector<solver::Edge> edges;  ///< one a manifold
-  solver::Coloring coloring;                            ///< of the edges
-  std::uint64_t manifold_points = 0;                    ///< of all manifolds
-  std::size_t held_found = 0;                           ///< pairs that wait, with new points
-  bool impacts = false;                                 ///< some pair may have an impact
-  std::size_t unused_slots = 0;                         ///< of pairs without points: *publish* releases them
-  std::vector<SolvedCount> solved_of_chunk;             ///< per chunk of pairs
+  parallel::UnsetVector<PairPoints> points;           ///< one a pair
+  parallel::UnsetVector<solver::Manifold> manifolds;  ///< of the solved pairs, in canonical order
+  parallel::UnsetVector<solver::Edge> edges;          ///< one a manifold
+  solver::Coloring coloring;                          ///< of the edges
+  std::uint64_t manifold_points = 0;                  ///< of all manifolds
+  std::size_t held_found = 0;                         ///< pairs that wait, with new points
+  bool impacts = false;                               ///< some pair may have an impact
+  std::size_t unused_slots = 0;                       ///< of pairs without points: *publish* releases them
+  std::vector<SolvedCount> solved_of_chunk;           ///< per chunk of pairs
 
   parallel::UnsetVector<solver::Manifold> of_chunk;  // scratch: those of each chunk side by side
 };
