@@ -252,10 +252,11 @@ struct FrameReport {
   std::size_t fell_asleep = 0;  ///< at the end of the step
   std::size_t woken = 0;        ///< in the step, or by calls since the previous step
 
-  // Full capacities (all 0 in a healthy frame)
+  // Full capacities (all 0 in a healthy frame, but colors_full where a body has more than 56 partners)
   std::size_t pairs_discarded = 0;  ///< candidate pairs beyond WorldSettings::max_partners and max_pairs
   std::size_t fronts_full = 0;      ///< refinements refused because a front was full
-  std::size_t colors_full = 0;      ///< contacts beyond the last colour, which are solved one after another
+  /// Contacts of bodies that have more partners than there are colours. These are solved on copies of the bodies.
+  std::size_t colors_full = 0;
   /// Results of the host's cue (Policy::cue) that were NaN (counts as 1) or out of range (counts as the nearest end). 0
   /// with a valid cue.
   std::size_t cues_refused = 0;

@@ -123,7 +123,8 @@ void center_points(const ManifoldsInput& input, const ActivePair& pair, bool tur
   const Mat3 b_in_a = input.motion.poses[pair.a].rotation.transpose() * input.motion.poses[pair.b].rotation;
   for (solver::ContactPoint& point : points) {
     const Vec3 normal = b_in_a * point.normal;
-    point.on_a_m = (turned ? point.on_a_m.norm() : normal.dot(point.on_a_m)) * normal;
+    const double along_m = normal.dot(point.on_a_m);
+    point.on_a_m = (turned ? std::copysign(point.on_a_m.norm(), along_m) : along_m) * normal;
   }
 }
 

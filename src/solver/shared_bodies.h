@@ -26,14 +26,13 @@ struct RowEnds {
 /// Colours of the edges that found none of the first 64: a second set of as many. A body that runs out of these too is
 /// split into copies that share its mass (Tonge, Benevolenski and Voroshilov 2012), each with as many edges as there
 /// are colours: the edges of a body with thousands of them need no more colours than others do. Calling thread but for
-/// the ends, linear in these edges. Invariant: buffers only grow.
+/// the ends, linear in these edges and, to forget the last time, in the bodies. Invariant: buffers only grow.
 class SharedBodies {
  public:
   /// `order`: in, edges in canonical order; out, by colour and within a colour by rank, the highest first. Appends
   /// where each colour ends, counted from `before`, to `ends_of_colors`.
   void color(std::span<const Edge> edges, std::size_t bodies, std::span<std::uint32_t> order, std::size_t before,
              std::vector<std::size_t>& ends_of_colors, parallel::Executor& executor);
-  void clear();
 
   [[nodiscard]] std::span<const SharedBody> all() const { return shared_; }
   [[nodiscard]] std::size_t copies() const { return copies_; }
@@ -41,6 +40,7 @@ class SharedBodies {
   [[nodiscard]] std::span<const RowEnds> ends() const { return ends_; }
 
  private:
+  void clear();
   // What is known of a body of these edges.
   struct Body {
     std::uint32_t name = 0;

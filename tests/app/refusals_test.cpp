@@ -110,8 +110,7 @@ TEST(Refusals, OfBadInputEndWithThree) {
       3, {
              {{"run", "no-such-scene"},
               "no scene of this name ships (avalanche, billiards, boulder, bullets, gallery, gas, jacks, maze, "
-              "metropolis, pile, "
-              "pour, real-meshes, street, two-body"},
+              "metropolis, pile, pour, real-meshes, street, two-body"},
              {{"run", "jack"}, "a file needs a path such as ./jack; did you mean \"jacks\"?"},
              {{"run", "/dev/zero"}, "is a pipe or a device, must be a file; SCENE - reads the standard input"},
              {{"run", "-"}, "standard input: the file is empty"},

@@ -232,11 +232,13 @@ void state(const io::RunDocument& d, Out out) {
                    s.asleep_end, s.asleep_mean, s.fell_asleep, s.woken);
   }
   const simulation::CapacityFigures& c = d.figures.capacity;
-  if (c.pairs_discarded + c.fronts_full + c.colors_full + c.degenerate > 0) {
-    fmt::format_to(
-        out,
-        "full           {} pairs left out, {} fronts without room, {} contacts beyond the colours, {} degenerate\n",
-        c.pairs_discarded, c.fronts_full, c.colors_full, c.degenerate);
+  if (c.colors_full > 0) {
+    fmt::format_to(out, "shared         {} contacts of bodies with more partners than colours, solved on copies\n",
+                   c.colors_full);
+  }
+  if (c.pairs_discarded + c.fronts_full + c.degenerate > 0) {
+    fmt::format_to(out, "full           {} pairs left out, {} fronts without room, {} degenerate contacts\n",
+                   c.pairs_discarded, c.fronts_full, c.degenerate);
   }
   const simulation::OutOfRangeFigures& lost = d.figures.out_of_range;
   if (lost.bodies > 0) {

@@ -22,10 +22,10 @@ struct Lanes {
   std::span<PairLanes<T>> pairs;  // one a block
   std::span<PointLanes<T>> manifold_points;
   std::span<TotalLanes<T>> totals;     // beside them, where they are kept from substep to substep
-  std::span<MotionChange<T>> motions;  // one a body
+  std::span<MotionChange<T>> motions;  // one a body, then one a copy (split_system.h); likewise these two
   std::span<SpeedChange<T>> begun;     // velocities and spins when the substep began
-  std::span<ScaledInverseInertia<T>> scaled_inverse_inertias;  // one a body
-  std::size_t known = 0;                                       // bodies of the last step in this precision
+  std::span<ScaledInverseInertia<T>> scaled_inverse_inertias;
+  std::size_t known = 0;   // bodies of the last step in this precision
   bool used_last = false;  // by the last step: motions and what is beside them know what rests
 
   std::span<PointLanes<T>> manifold_points_of(const ContactBlock& block) {

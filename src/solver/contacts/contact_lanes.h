@@ -84,7 +84,7 @@ struct alignas(64) StartLanes {
   T restitution[kLanes];
 };
 
-/// Up to eight pairs of one colour, which share no dynamic body.
+/// Up to eight pairs of one colour, which push no dynamic body, and no copy of one, twice.
 struct ContactBlock {
   std::uint32_t a[kLanes] = {}, b[kLanes] = {};
   std::uint32_t pair[kLanes] = {};            ///< indices in ContactSystem::pairs

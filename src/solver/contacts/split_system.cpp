@@ -11,9 +11,11 @@ namespace {
 
 template <class Visit>
 void for_shared(const SplitSystem& system, parallel::Executor& executor, Visit&& visit) {
+  // A few are joined before another thread is awake.
+  constexpr std::size_t kGrain = 16;
   const std::span<const SharedBody> shared = system.coloring.shared();
   if (shared.empty()) return;
-  parallel::parallel_for(executor, shared.size(), 1, [&](std::size_t begin, std::size_t end, int) {
+  parallel::parallel_for(executor, shared.size(), kGrain, [&](std::size_t begin, std::size_t end, int) {
     for (std::size_t i = begin; i < end; ++i) visit(shared[i]);
   });
 }
@@ -38,12 +40,18 @@ template <class T>
 void join_motions(const SplitSystem& system, std::span<MotionChange<T>> motions, parallel::Executor& executor) {
   for_shared(system, executor, [&](const SharedBody& shared) {
     const std::span<MotionChange<T>> copies = motions.subspan(shared.first, shared.copies);
-    std::array<double, kFiguresOfMotion> sum{};
+    // From the first one on, so that copies that are alike stay what they are to the bit.
+    MotionChange<T> joined = copies.front();
+    std::array<double, kFiguresOfMotion> beyond{};
     for (MotionChange<T>& copy : copies) {
-      for (std::size_t k = 0; k < sum.size(); ++k) sum[k] += static_cast<double>(figures(copy)[k]);
+      for (std::size_t k = 0; k < beyond.size(); ++k)
+        beyond[k] += static_cast<double>(figures(copy)[k]) - static_cast<double>(figures(joined)[k]);
     }
-    MotionChange<T>& joined = motions[shared.body];
-    for (std::size_t k = 0; k < sum.size(); ++k) figures(joined)[k] = static_cast<T>(sum[k] / shared.copies);
+    for (std::size_t k = 0; k < beyond.size(); ++k) {
+      T& figure = figures(joined)[k];
+      figure = static_cast<T>(static_cast<double>(figure) + beyond[k] / shared.copies);
+    }
+    motions[shared.body] = joined;
     for (MotionChange<T>& copy : copies) copy = joined;
   });
 }
@@ -52,15 +60,16 @@ void join_velocities(const SplitSystem& system, parallel::Executor& executor) {
   for_shared(system, executor, [&](const SharedBody& shared) {
     const std::span<SolverBody> copies = system.copies.subspan(shared.first - system.bodies.size(), shared.copies);
     SolverBody& joined = system.bodies[shared.body];
-    Vec3 velocity_mps = Vec3::Zero();
-    Vec3 spin_radps = Vec3::Zero();
+    const SolverBody first = copies.front();
+    Vec3 faster_mps = Vec3::Zero();
+    Vec3 faster_radps = Vec3::Zero();
     for (const SolverBody& copy : copies) {
-      velocity_mps += copy.velocity_mps;
-      spin_radps += copy.spin_radps;
+      faster_mps += copy.velocity_mps - first.velocity_mps;
+      faster_radps += copy.spin_radps - first.spin_radps;
       joined.solved = joined.solved || copy.solved;
     }
-    joined.velocity_mps = velocity_mps / shared.copies;
-    joined.spin_radps = spin_radps / shared.copies;
+    joined.velocity_mps = first.velocity_mps + faster_mps / shared.copies;
+    joined.spin_radps = first.spin_radps + faster_radps / shared.copies;
     for (SolverBody& copy : copies) {
       copy.velocity_mps = joined.velocity_mps;
       copy.spin_radps = joined.spin_radps;
