@@ -232,7 +232,8 @@ class Rounds {
   bool answer(const Turn& turn, std::size_t begin, std::size_t end) {
     Awake awake;
     wake(turn, begin, end, awake);
-    auto& [batch, by_points, overlapping] = awake;
+    ImpactBatch& batch = awake.by_wrench;
+    RowList& overlapping = awake.overlapping;
     bool solved = give(turn, batch);
     for_each_bit(batch.needs | batch.overlaps_rebound, [&](std::size_t k) {
       const RowActivation& gate = activations_[batch.row[k]];
@@ -240,7 +241,7 @@ class Rounds {
       overlapping.add(batch.row[k]);
       if (distant_) prefetch_lines(&system_.overlaps[gate.overlaps_begin], 3);
     });
-    for (const std::uint32_t i : by_points.all()) {
+    for (const std::uint32_t i : awake.by_points.all()) {
       if (!answer_points(system_, system_.rows[i], dt_s_, lanes_.still_mps)) continue;
       note_change(turn, system_.rows[i].a, system_.rows[i].b);
       solved = true;
