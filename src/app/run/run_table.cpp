@@ -233,8 +233,9 @@ void state(const io::RunDocument& d, Out out) {
   }
   const simulation::CapacityFigures& c = d.figures.capacity;
   if (c.colors_full > 0) {
-    fmt::format_to(out, "shared         {} contacts of bodies with more partners than colours, solved on copies\n",
-                   c.colors_full);
+    fmt::format_to(
+        out, "shared         {} contacts in all frames, of bodies with more partners than colours; solved on copies\n",
+        c.colors_full);
   }
   if (c.pairs_discarded + c.fronts_full + c.degenerate > 0) {
     fmt::format_to(out, "full           {} pairs left out, {} fronts without room, {} degenerate contacts\n",

@@ -9,8 +9,8 @@
 
 namespace poise::solver {
 
-/// Rows, or contact points of rows, that are looked at or answer side by side. Different rows
-/// that answer share no dynamic body.
+/// Rows, or contact points of rows, that are looked at or answer side by side. Different rows that answer share no
+/// dynamic body.
 struct ImpactBatch {
   static constexpr std::size_t kRows = 64;
   std::uint32_t row[kRows], a[kRows], b[kRows];  ///< each row, or contact point, and its bodies
