@@ -9,6 +9,8 @@
 #include <bit>
 #include <cmath>
 #include <limits>
+#include <span>
+#include <utility>
 
 #include "collision/manifold/manifold_clusters.h"
 
@@ -21,6 +23,8 @@ inline constexpr float kInverseAngle = 1.0F / 0.586F;
 
 void update_mean(ClusterState& state, std::size_t cluster);
 void join_clusters(ClusterState& state, std::size_t first, std::size_t second);
+// Clusters with a `distance` join the one of `staying` that is `nearest`; those without stay, in order.
+void join_to(ClusterState& state, std::span<const std::size_t> staying, const float* distance, const float* nearest);
 
 }  // namespace poise::collision
 #endif
@@ -137,10 +141,73 @@ void merge_nearest(ClusterState& state) {
   join_clusters(state, static_cast<std::size_t>(firsts[second]), second);
 }
 
+// Of each cluster, how far the nearest of those is away that stay, and which of them that is.
+struct Staying {
+  std::array<std::size_t, kMaxManifoldPoints> cluster;
+  std::size_t count = 0;
+  alignas(32) float distance[kLanes];
+  alignas(32) float nearest[kLanes];
+};
+
+HWY_INLINE void let_stay(const ClusterState& state, std::size_t cluster, Staying& staying) {
+  const hn::CappedTag<float, kLanes> d;
+  const auto number = hn::Set(d, static_cast<float>(staying.count));
+  for (std::size_t k = 0; k < kLanes; k += hn::Lanes(d)) {
+    const auto square = [&](const std::array<float, kLanes>& of) HWY_ATTR {
+      const auto difference = hn::Sub(hn::Set(d, of[cluster]), hn::LoadU(d, of.data() + k));
+      return hn::Mul(difference, difference);
+    };
+    const auto place =
+        hn::Add(hn::Add(square(state.center_m[0]), square(state.center_m[1])), square(state.center_m[2]));
+    const auto turn =
+        hn::Add(hn::Add(square(state.direction[0]), square(state.direction[1])), square(state.direction[2]));
+    const auto distance =
+        hn::Add(hn::Mul(place, hn::Set(d, state.inverse_square)), hn::Mul(turn, hn::Set(d, kInverseAngle)));
+    const auto before = hn::Load(d, staying.distance + k);
+    const auto nearer = hn::Lt(distance, before);
+    hn::Store(hn::IfThenElse(nearer, distance, before), d, staying.distance + k);
+    hn::Store(hn::IfThenElse(nearer, number, hn::Load(d, staying.nearest + k)), d, staying.nearest + k);
+  }
+  staying.cluster[staying.count++] = cluster;
+  // It is not taken again.
+  staying.distance[cluster] = -1;
+}
+
+// As many clusters as a manifold may have: the deepest, and one after another the one that is farthest from those that
+// stay, of those that touch before others. All others join the one that is nearest to them. Were the nearest two merged
+// instead, what lies on several places would be held in the middle between them, and rock.
+void join_others(ClusterState& state) {
+  // Chosen: as of polygons (PointList), a thousandth of the smaller body.
+  constexpr float kTouchingOfSize = 4e-3F;
+  Staying staying;
+  std::fill_n(staying.distance, kLanes, std::numeric_limits<float>::max());
+  std::fill_n(staying.nearest, kLanes, 0.0F);
+  std::size_t next = 0;
+  for (std::size_t c = 1; c < state.count; ++c) {
+    if (state.sums[c].gap_m < state.sums[next].gap_m) next = c;
+  }
+  const float touching_m = std::max(0.0F, state.sums[next].gap_m) + kTouchingOfSize / std::sqrt(state.inverse_square);
+  while (true) {
+    let_stay(state, next, staying);
+    if (staying.count == kMaxManifoldPoints) break;
+    // Whether one touches, and how far it is away.
+    std::pair<bool, float> most(false, -1.0F);
+    for (std::size_t c = 0; c < state.count; ++c) {
+      const std::pair<bool, float> away(staying.distance[c] >= 0 && state.sums[c].gap_m <= touching_m,
+                                        staying.distance[c]);
+      if (most < away) {
+        most = away;
+        next = c;
+      }
+    }
+  }
+  join_to(state, staying.cluster, staying.distance, staying.nearest);
+}
+
 // The manifold of a state.
 void fit(ClusterState& state) {
   for (std::size_t c = 0; c < state.count; ++c) update_mean(state, c);
-  while (state.count > kMaxManifoldPoints) merge_nearest(state);
+  if (state.count > kMaxManifoldPoints) join_others(state);
 }
 
 // to += of, four floats.
@@ -222,22 +289,43 @@ void update_mean(ClusterState& state, std::size_t cluster) {
   }
 }
 
-void join_clusters(ClusterState& state, std::size_t first, std::size_t second) {
-  ClusterState::Sums& kept = state.sums[first];
-  const ClusterState::Sums& gone = state.sums[second];
+namespace {
+
+void add_sums(const ClusterState::Sums& gone, ClusterState::Sums& kept) {
   for (std::size_t k = 0; k < 4; ++k) kept.normal_m[k] += gone.normal_m[k];
   for (std::size_t k = 0; k < 4; ++k) kept.point_m2[k] += gone.point_m2[k];
   kept.gap_m = std::min(kept.gap_m, gone.gap_m);
   kept.certain_separation_m = std::min(kept.certain_separation_m, gone.certain_separation_m);
-  update_mean(state, first);
-  for (std::size_t c = second; c + 1 < state.count; ++c) {
-    state.sums[c] = state.sums[c + 1];
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      state.direction[axis][c] = state.direction[axis][c + 1];
-      state.center_m[axis][c] = state.center_m[axis][c + 1];
-    }
+}
+
+void copy_cluster(std::size_t from, std::size_t to, ClusterState& state) {
+  state.sums[to] = state.sums[from];
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    state.direction[axis][to] = state.direction[axis][from];
+    state.center_m[axis][to] = state.center_m[axis][from];
   }
+}
+
+}  // namespace
+
+void join_clusters(ClusterState& state, std::size_t first, std::size_t second) {
+  add_sums(state.sums[second], state.sums[first]);
+  update_mean(state, first);
+  for (std::size_t c = second; c + 1 < state.count; ++c) copy_cluster(c + 1, c, state);
   --state.count;
+}
+
+void join_to(ClusterState& state, std::span<const std::size_t> staying, const float* distance, const float* nearest) {
+  for (std::size_t c = 0; c < state.count; ++c) {
+    if (distance[c] >= 0) add_sums(state.sums[c], state.sums[staying[static_cast<std::size_t>(nearest[c])]]);
+  }
+  std::size_t count = 0;
+  for (std::size_t c = 0; c < state.count; ++c) {
+    if (distance[c] >= 0) continue;
+    update_mean(state, c);
+    copy_cluster(c, count++, state);
+  }
+  state.count = static_cast<std::uint32_t>(count);
 }
 
 void ManifoldClusters::add(const NodeContacts& contacts, std::size_t count) {
