@@ -141,47 +141,78 @@ void merge_nearest(ClusterState& state) {
   join_clusters(state, static_cast<std::size_t>(firsts[second]), second);
 }
 
-// Of each cluster, how far the nearest of those is away that stay, and which of them that is.
+// The clusters that stay, and of each cluster how far it is away from them: from the lines between any two of them, and
+// which of them is the nearest.
 struct Staying {
   std::array<std::size_t, kMaxManifoldPoints> cluster;
   std::size_t count = 0;
-  alignas(32) float distance[kLanes];
+  alignas(32) float distance[kLanes];  // of those that stay: below 0
   alignas(32) float nearest[kLanes];
+  alignas(32) float nearest_distance[kLanes];
 };
+
+// Distances of all clusters from the line between two, squared, as of find_nearest().
+template <class D>
+HWY_INLINE hn::Vec<D> from_line(D d, const ClusterState& state, std::size_t k, std::size_t from, std::size_t to) {
+  const auto along = [&](const std::array<float, kLanes>(&of)[3], float scale) HWY_ATTR {
+    const auto part = [&](std::size_t axis) HWY_ATTR {
+      const float toward = of[axis][to] - of[axis][from];
+      return hn::Mul(hn::Sub(hn::LoadU(d, of[axis].data() + k), hn::Set(d, of[axis][from])),
+                     hn::Set(d, toward * scale));
+    };
+    return hn::Add(hn::Add(part(0), part(1)), part(2));
+  };
+  const auto length2 = [&](const std::array<float, kLanes>(&of)[3], float scale) {
+    const auto part = [&](std::size_t axis) {
+      return (of[axis][to] - of[axis][from]) * (of[axis][to] - of[axis][from]);
+    };
+    return ((part(0) + part(1)) + part(2)) * scale;
+  };
+  const float line2 = length2(state.center_m, state.inverse_square) + length2(state.direction, kInverseAngle);
+  const float inverse = line2 > 0 ? 1.0F / line2 : 0.0F;
+  const auto projected = hn::Add(along(state.center_m, state.inverse_square), along(state.direction, kInverseAngle));
+  const auto share = hn::Min(hn::Max(hn::Mul(projected, hn::Set(d, inverse)), hn::Zero(d)), hn::Set(d, 1.0F));
+  const auto away2 = [&](const std::array<float, kLanes>(&of)[3]) HWY_ATTR {
+    const auto part = [&](std::size_t axis) HWY_ATTR {
+      const auto to_foot = hn::Mul(share, hn::Set(d, of[axis][to] - of[axis][from]));
+      const auto away = hn::Sub(hn::Sub(hn::LoadU(d, of[axis].data() + k), hn::Set(d, of[axis][from])), to_foot);
+      return hn::Mul(away, away);
+    };
+    return hn::Add(hn::Add(part(0), part(1)), part(2));
+  };
+  return hn::Add(hn::Mul(away2(state.center_m), hn::Set(d, state.inverse_square)),
+                 hn::Mul(away2(state.direction), hn::Set(d, kInverseAngle)));
+}
 
 HWY_INLINE void let_stay(const ClusterState& state, std::size_t cluster, Staying& staying) {
   const hn::CappedTag<float, kLanes> d;
   const auto number = hn::Set(d, static_cast<float>(staying.count));
   for (std::size_t k = 0; k < kLanes; k += hn::Lanes(d)) {
-    const auto square = [&](const std::array<float, kLanes>& of) HWY_ATTR {
-      const auto difference = hn::Sub(hn::Set(d, of[cluster]), hn::LoadU(d, of.data() + k));
-      return hn::Mul(difference, difference);
-    };
-    const auto place =
-        hn::Add(hn::Add(square(state.center_m[0]), square(state.center_m[1])), square(state.center_m[2]));
-    const auto turn =
-        hn::Add(hn::Add(square(state.direction[0]), square(state.direction[1])), square(state.direction[2]));
-    const auto distance =
-        hn::Add(hn::Mul(place, hn::Set(d, state.inverse_square)), hn::Mul(turn, hn::Set(d, kInverseAngle)));
-    const auto before = hn::Load(d, staying.distance + k);
+    const auto distance = from_line(d, state, k, cluster, cluster);
+    const auto before = hn::Load(d, staying.nearest_distance + k);
     const auto nearer = hn::Lt(distance, before);
-    hn::Store(hn::IfThenElse(nearer, distance, before), d, staying.distance + k);
+    hn::Store(hn::IfThenElse(nearer, distance, before), d, staying.nearest_distance + k);
     hn::Store(hn::IfThenElse(nearer, number, hn::Load(d, staying.nearest + k)), d, staying.nearest + k);
+    auto least = hn::Min(hn::Load(d, staying.distance + k), distance);
+    for (std::size_t i = 0; i < staying.count; ++i)
+      least = hn::Min(least, from_line(d, state, k, staying.cluster[i], cluster));
+    hn::Store(least, d, staying.distance + k);
   }
   staying.cluster[staying.count++] = cluster;
   // It is not taken again.
   staying.distance[cluster] = -1;
 }
 
-// As many clusters as a manifold may have: the deepest, and one after another the one that is farthest from those that
-// stay, of those that touch before others. All others join the one that is nearest to them. Were the nearest two merged
-// instead, what lies on several places would be held in the middle between them, and rock.
+// As many clusters as a manifold may have: the deepest, and one after another the one that is farthest from the lines
+// between those that stay, of those that touch before others. All others join the one that is nearest to them. Were the
+// nearest two merged instead, what lies on several places would be held in the middle between them, and rock.
 void join_others(ClusterState& state) {
   // Chosen: as of polygons (PointList), a thousandth of the smaller body.
   constexpr float kTouchingOfSize = 4e-3F;
   Staying staying;
   std::fill_n(staying.distance, kLanes, std::numeric_limits<float>::max());
   std::fill_n(staying.nearest, kLanes, 0.0F);
+  std::fill_n(staying.nearest_distance, kLanes, std::numeric_limits<float>::max());
   std::size_t next = 0;
   for (std::size_t c = 1; c < state.count; ++c) {
     if (state.sums[c].gap_m < state.sums[next].gap_m) next = c;
