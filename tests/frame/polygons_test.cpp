@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
 #include <filesystem>
 #include <numeric>
 #include <string>
@@ -176,13 +177,16 @@ class MeshOnAPlane : public testing::TestWithParam<const char*> {};
 TEST_P(MeshOnAPlane, ComesToRest) {
   const std::filesystem::path folder = "/usr/share/doc/simbody/examples/src/TaskSpaceControl-UR10/geometry";
   TriangleMesh mesh = read_mesh(folder / GetParam(), {}).value();
+  Eigen::AlignedBox3d box;
+  for (const Vec3& vertex : mesh.vertices_m) box.extend(vertex);
+  const double scale = 0.3 / box.sizes().maxCoeff();
+  for (Vec3& vertex : mesh.vertices_m) vertex *= scale;
   Stage stage(settings_of(ContactModel::Fitted, 1, 9.81), 0);
   stage.material = stage.world.add_material({0, 0.5, 1000}).value();
   stage.plane(Vec3::UnitZ(), 0);
   const ShapePtr shape = make_mesh_shape_with_tree(mesh, test::shared_tree(mesh, kDepth)).value();
-  double lowest_m = 0;
-  for (const Vec3& vertex : mesh.vertices_m) lowest_m = std::min(lowest_m, vertex.z() - shape->origin_offset_m.z());
-  const BodyId body = stage.add(stage.world.add_shape(shape), Vec3(0, 0, 0.01 - lowest_m));
+  const double lowest_m = scale * box.min().z() - shape->origin_offset_m.z();
+  const BodyId body = stage.add(stage.world.add_shape(shape), Vec3(0, 0, 0.05 - lowest_m));
   StepInput input = step_of(1.0 / 60);
   input.polygons = true;
   for (int i = 0; i < 900; ++i) stage.world.step(input);
