@@ -176,6 +176,7 @@ class MeshOnAPlane : public testing::TestWithParam<const char*> {};
 
 TEST_P(MeshOnAPlane, ComesToRest) {
   const std::filesystem::path folder = "/usr/share/doc/simbody/examples/src/TaskSpaceControl-UR10/geometry";
+  if (!std::filesystem::exists(folder)) GTEST_SKIP() << "libsimbody-dev is not installed";
   TriangleMesh mesh = read_mesh(folder / GetParam(), {}).value();
   Eigen::AlignedBox3d box;
   for (const Vec3& vertex : mesh.vertices_m) box.extend(vertex);

@@ -23,8 +23,8 @@ inline constexpr float kInverseAngle = 1.0F / 0.586F;
 
 void update_mean(ClusterState& state, std::size_t cluster);
 void join_clusters(ClusterState& state, std::size_t first, std::size_t second);
-// Clusters with a `distance` join the one of `staying` that is `nearest`; those without stay, in order.
-void join_to(ClusterState& state, std::span<const std::size_t> staying, const float* distance, const float* nearest);
+// Clusters that are none of `staying` join the one of these that is `nearest` (an index of `staying`).
+void join_to(ClusterState& state, std::span<const std::size_t> staying, const float* nearest);
 
 }  // namespace poise::collision
 #endif
@@ -141,17 +141,16 @@ void merge_nearest(ClusterState& state) {
   join_clusters(state, static_cast<std::size_t>(firsts[second]), second);
 }
 
-// The clusters that stay, and of each cluster how far it is away from them: from the lines between any two of them, and
-// which of them is the nearest.
+// The clusters that stay, and of each cluster how far it is away from them.
 struct Staying {
   std::array<std::size_t, kMaxManifoldPoints> cluster;
   std::size_t count = 0;
-  alignas(32) float distance[kLanes];  // of those that stay: below 0
-  alignas(32) float nearest[kLanes];
-  alignas(32) float nearest_distance[kLanes];
+  alignas(32) float distance[kLanes];  // from the lines between any two of them, ends included; its own: below 0
+  alignas(32) float nearest[kLanes];   // which of them is the nearest, and
+  alignas(32) float nearest_distance[kLanes];  // how far that is away
 };
 
-// Distances of all clusters from the line between two, squared, as of find_nearest().
+// Distances of all clusters from the line between two and its ends, squared, as of find_nearest().
 template <class D>
 HWY_INLINE hn::Vec<D> from_line(D d, const ClusterState& state, std::size_t k, std::size_t from, std::size_t to) {
   const auto along = [&](const std::array<float, kLanes>(&of)[3], float scale) HWY_ATTR {
@@ -232,7 +231,7 @@ void join_others(ClusterState& state) {
       }
     }
   }
-  join_to(state, staying.cluster, staying.distance, staying.nearest);
+  join_to(state, staying.cluster, staying.nearest);
 }
 
 // The manifold of a state.
@@ -346,13 +345,15 @@ void join_clusters(ClusterState& state, std::size_t first, std::size_t second) {
   --state.count;
 }
 
-void join_to(ClusterState& state, std::span<const std::size_t> staying, const float* distance, const float* nearest) {
+void join_to(ClusterState& state, std::span<const std::size_t> staying, const float* nearest) {
+  std::array<bool, ClusterState::kMost> stays{};
+  for (const std::size_t c : staying) stays[c] = true;
   for (std::size_t c = 0; c < state.count; ++c) {
-    if (distance[c] >= 0) add_sums(state.sums[c], state.sums[staying[static_cast<std::size_t>(nearest[c])]]);
+    if (!stays[c]) add_sums(state.sums[c], state.sums[staying[static_cast<std::size_t>(nearest[c])]]);
   }
   std::size_t count = 0;
   for (std::size_t c = 0; c < state.count; ++c) {
-    if (distance[c] >= 0) continue;
+    if (!stays[c]) continue;
     update_mean(state, c);
     copy_cluster(c, count++, state);
   }
