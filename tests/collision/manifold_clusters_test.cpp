@@ -8,7 +8,6 @@
 #include <limits>
 #include <random>
 #include <span>
-#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -129,7 +128,7 @@ class PlainClusters {
   }
   std::vector<ManifoldPoint> points() {
     for (Cluster& cluster : clusters_) update(cluster);
-    if (clusters_.size() > kMaxManifoldPoints) join_others();
+    while (clusters_.size() > kMaxManifoldPoints) merge_nearest();
     std::vector<ManifoldPoint> made;
     for (const Cluster& cluster : clusters_) {
       const double gap = static_cast<double>(cluster.gap);
@@ -194,62 +193,6 @@ class PlainClusters {
     clusters_.erase(clusters_.begin() + static_cast<std::ptrdiff_t>(nearest.second));
   }
 
-  // The distance of a cluster from the line between two others.
-  static float from_line(const Cluster& cluster, const Cluster& from, const Cluster& to) {
-    const auto inverse_square = static_cast<float>(1.0 / (kSize * kSize));
-    constexpr float kInverseAngle = 1.0F / 0.586F;
-    const auto weighed = [&](float scale, const Three& x, const Three& y) {
-      return (x.x() * (y.x() * scale) + x.y() * (y.y() * scale)) + x.z() * (y.z() * scale);
-    };
-    const Three along = to.center - from.center;
-    const Three turn = to.direction - from.direction;
-    const float line2 = square(along) * inverse_square + square(turn) * kInverseAngle;
-    const float inverse = line2 > 0 ? 1.0F / line2 : 0.0F;
-    const float projected = weighed(inverse_square, cluster.center - from.center, along) +
-                            weighed(kInverseAngle, cluster.direction - from.direction, turn);
-    const float share = std::min(std::max(projected * inverse, 0.0F), 1.0F);
-    return square((cluster.center - from.center) - share * along) * inverse_square +
-           square((cluster.direction - from.direction) - share * turn) * kInverseAngle;
-  }
-  // The deepest stays, and one after another the one that is farthest from the lines between these, of those that touch
-  // before others.
-  void join_others() {
-    std::vector<std::size_t> staying = {0};
-    for (std::size_t c = 1; c < clusters_.size(); ++c) {
-      if (clusters_[c].gap < clusters_[staying[0]].gap) staying[0] = c;
-    }
-    const float touching = std::max(0.0F, clusters_[staying[0]].gap) + 4e-3F * static_cast<float>(kSize);
-    const auto nearest = [&](std::size_t c) {
-      return *std::min_element(staying.begin(), staying.end(), [&](std::size_t x, std::size_t y) {
-        return distance_of(clusters_[c], clusters_[x]) < distance_of(clusters_[c], clusters_[y]);
-      });
-    };
-    const auto stays = [&](std::size_t c) { return std::find(staying.begin(), staying.end(), c) != staying.end(); };
-    while (staying.size() < kMaxManifoldPoints) {
-      std::tuple<bool, float, std::size_t> best(false, -1.0F, 0);
-      for (std::size_t c = 0; c < clusters_.size(); ++c) {
-        if (stays(c)) continue;
-        const bool touches = clusters_[c].gap <= touching;
-        float away = std::numeric_limits<float>::max();
-        for (auto from = staying.begin(); from != staying.end(); ++from) {
-          for (auto to = from; to != staying.end(); ++to)
-            away =
-                std::min(away, from_line(clusters_[c], clusters_[std::min(from, to)], clusters_[std::max(from, to)]));
-        }
-        if (std::pair(std::get<0>(best), std::get<1>(best)) < std::pair(touches, away)) best = {touches, away, c};
-      }
-      staying.push_back(std::get<2>(best));
-    }
-    std::vector<Cluster> kept = clusters_;
-    for (std::size_t c = 0; c < clusters_.size(); ++c) {
-      if (!stays(c)) join(clusters_[c], kept[nearest(c)]);
-    }
-    std::sort(staying.begin(), staying.end());
-    clusters_.clear();
-    for (const std::size_t c : staying) clusters_.push_back(kept[c]);
-    for (Cluster& cluster : clusters_) update(cluster);
-  }
-
   std::vector<Cluster> clusters_;
 };
 
@@ -291,36 +234,6 @@ TEST(ManifoldClusters, MoreSpotsThanPointsAreMergedAndNoneIsLost) {
     for (std::size_t k = 0; k < points.count; ++k) nearest = std::min(nearest, points.point[k].gap_m);
     EXPECT_NEAR(nearest, least, 1e-8);
   }
-}
-
-// Two rows of feet that are far apart along them: merged in the middle between the rows, they would let the body rock.
-TEST(ManifoldClusters, TwoRowsOfPlacesAreHeldAtBothRows) {
-  std::vector<NodeContact> all;
-  for (const double y : {-3.0, -1.0, 1.0, 3.0}) {
-    for (const double x : {-0.4, 0.4}) all.push_back({Vec3::UnitZ(), Vec3(x, y, 0), 1e-4 * x * y, 1e-4});
-  }
-  const ManifoldPoints points = clustered(all, 8);
-  ASSERT_EQ(points.count, kMaxManifoldPoints);
-  for (const double side_x : {-1.0, 1.0}) {
-    for (const double side_y : {-1.0, 1.0}) {
-      const auto here = [&](const ManifoldPoint& point) {
-        return side_x * point.point_m.x() > 0.39 && side_y * point.point_m.y() >= 1.99;
-      };
-      EXPECT_EQ(std::count_if(points.all().begin(), points.all().end(), here), 1) << side_x << " " << side_y;
-    }
-  }
-}
-
-// What touches stays before what is nearly as far away as anything but does not touch yet.
-TEST(ManifoldClusters, PlacesThatTouchStayBeforeOthers) {
-  std::vector<NodeContact> all;
-  for (const double x : {-1.0, 1.0}) {
-    for (const double y : {-1.0, 1.0}) all.push_back({Vec3::UnitZ(), Vec3(x, y, 0), -1e-4, -1e-4});
-    all.push_back({Vec3::UnitZ(), Vec3(0, 4 * x, 0), 5e-3, 5e-3});
-  }
-  const ManifoldPoints points = clustered(all, 8);
-  ASSERT_EQ(points.count, kMaxManifoldPoints);
-  for (const ManifoldPoint& point : points.all()) EXPECT_NEAR(point.gap_m, -1e-4, 1e-8);
 }
 
 TEST(ManifoldClusters, WhatIsOutOfReachMakesNoPoint) {

@@ -9,8 +9,6 @@
 #include <bit>
 #include <cmath>
 #include <limits>
-#include <span>
-#include <utility>
 
 #include "collision/manifold/manifold_clusters.h"
 
@@ -23,8 +21,6 @@ inline constexpr float kInverseAngle = 1.0F / 0.586F;
 
 void update_mean(ClusterState& state, std::size_t cluster);
 void join_clusters(ClusterState& state, std::size_t first, std::size_t second);
-// Clusters that are none of `staying` join the one of these that is `nearest` (an index of `staying`).
-void join_to(ClusterState& state, std::span<const std::size_t> staying, const float* nearest);
 
 }  // namespace poise::collision
 #endif
@@ -141,103 +137,10 @@ void merge_nearest(ClusterState& state) {
   join_clusters(state, static_cast<std::size_t>(firsts[second]), second);
 }
 
-// The clusters that stay, and of each cluster how far it is away from them.
-struct Staying {
-  std::array<std::size_t, kMaxManifoldPoints> cluster;
-  std::size_t count = 0;
-  alignas(32) float distance[kLanes];  // from the lines between any two of them, ends included; its own: below 0
-  alignas(32) float nearest[kLanes];   // which of them is the nearest, and
-  alignas(32) float nearest_distance[kLanes];  // how far that is away
-};
-
-// Distances of all clusters from the line between two and its ends, squared, as of find_nearest().
-template <class D>
-HWY_INLINE hn::Vec<D> from_line(D d, const ClusterState& state, std::size_t k, std::size_t from, std::size_t to) {
-  const auto along = [&](const std::array<float, kLanes>(&of)[3], float scale) HWY_ATTR {
-    const auto part = [&](std::size_t axis) HWY_ATTR {
-      const float toward = of[axis][to] - of[axis][from];
-      return hn::Mul(hn::Sub(hn::LoadU(d, of[axis].data() + k), hn::Set(d, of[axis][from])),
-                     hn::Set(d, toward * scale));
-    };
-    return hn::Add(hn::Add(part(0), part(1)), part(2));
-  };
-  const auto length2 = [&](const std::array<float, kLanes>(&of)[3], float scale) {
-    const auto part = [&](std::size_t axis) {
-      return (of[axis][to] - of[axis][from]) * (of[axis][to] - of[axis][from]);
-    };
-    return ((part(0) + part(1)) + part(2)) * scale;
-  };
-  const float line2 = length2(state.center_m, state.inverse_square) + length2(state.direction, kInverseAngle);
-  const float inverse = line2 > 0 ? 1.0F / line2 : 0.0F;
-  const auto projected = hn::Add(along(state.center_m, state.inverse_square), along(state.direction, kInverseAngle));
-  const auto share = hn::Min(hn::Max(hn::Mul(projected, hn::Set(d, inverse)), hn::Zero(d)), hn::Set(d, 1.0F));
-  const auto away2 = [&](const std::array<float, kLanes>(&of)[3]) HWY_ATTR {
-    const auto part = [&](std::size_t axis) HWY_ATTR {
-      const auto to_foot = hn::Mul(share, hn::Set(d, of[axis][to] - of[axis][from]));
-      const auto away = hn::Sub(hn::Sub(hn::LoadU(d, of[axis].data() + k), hn::Set(d, of[axis][from])), to_foot);
-      return hn::Mul(away, away);
-    };
-    return hn::Add(hn::Add(part(0), part(1)), part(2));
-  };
-  return hn::Add(hn::Mul(away2(state.center_m), hn::Set(d, state.inverse_square)),
-                 hn::Mul(away2(state.direction), hn::Set(d, kInverseAngle)));
-}
-
-HWY_INLINE void let_stay(const ClusterState& state, std::size_t cluster, Staying& staying) {
-  const hn::CappedTag<float, kLanes> d;
-  const auto number = hn::Set(d, static_cast<float>(staying.count));
-  for (std::size_t k = 0; k < kLanes; k += hn::Lanes(d)) {
-    const auto distance = from_line(d, state, k, cluster, cluster);
-    const auto before = hn::Load(d, staying.nearest_distance + k);
-    const auto nearer = hn::Lt(distance, before);
-    hn::Store(hn::IfThenElse(nearer, distance, before), d, staying.nearest_distance + k);
-    hn::Store(hn::IfThenElse(nearer, number, hn::Load(d, staying.nearest + k)), d, staying.nearest + k);
-    auto least = hn::Min(hn::Load(d, staying.distance + k), distance);
-    for (std::size_t i = 0; i < staying.count; ++i)
-      least = hn::Min(least, from_line(d, state, k, staying.cluster[i], cluster));
-    hn::Store(least, d, staying.distance + k);
-  }
-  staying.cluster[staying.count++] = cluster;
-  // It is not taken again.
-  staying.distance[cluster] = -1;
-}
-
-// As many clusters as a manifold may have: the deepest, and one after another the one that is farthest from the lines
-// between those that stay, of those that touch before others. All others join the one that is nearest to them. Were the
-// nearest two merged instead, what lies on several places would be held in the middle between them, and rock.
-void join_others(ClusterState& state) {
-  // Chosen: as of polygons (PointList), a thousandth of the smaller body.
-  constexpr float kTouchingOfSize = 4e-3F;
-  Staying staying;
-  std::fill_n(staying.distance, kLanes, std::numeric_limits<float>::max());
-  std::fill_n(staying.nearest, kLanes, 0.0F);
-  std::fill_n(staying.nearest_distance, kLanes, std::numeric_limits<float>::max());
-  std::size_t next = 0;
-  for (std::size_t c = 1; c < state.count; ++c) {
-    if (state.sums[c].gap_m < state.sums[next].gap_m) next = c;
-  }
-  const float touching_m = std::max(0.0F, state.sums[next].gap_m) + kTouchingOfSize / std::sqrt(state.inverse_square);
-  while (true) {
-    let_stay(state, next, staying);
-    if (staying.count == kMaxManifoldPoints) break;
-    // Whether one touches, and how far it is away.
-    std::pair<bool, float> most(false, -1.0F);
-    for (std::size_t c = 0; c < state.count; ++c) {
-      const std::pair<bool, float> away(staying.distance[c] >= 0 && state.sums[c].gap_m <= touching_m,
-                                        staying.distance[c]);
-      if (most < away) {
-        most = away;
-        next = c;
-      }
-    }
-  }
-  join_to(state, staying.cluster, staying.nearest);
-}
-
 // The manifold of a state.
 void fit(ClusterState& state) {
   for (std::size_t c = 0; c < state.count; ++c) update_mean(state, c);
-  if (state.count > kMaxManifoldPoints) join_others(state);
+  while (state.count > kMaxManifoldPoints) merge_nearest(state);
 }
 
 // to += of, four floats.
@@ -319,45 +222,22 @@ void update_mean(ClusterState& state, std::size_t cluster) {
   }
 }
 
-namespace {
-
-void add_sums(const ClusterState::Sums& gone, ClusterState::Sums& kept) {
+void join_clusters(ClusterState& state, std::size_t first, std::size_t second) {
+  ClusterState::Sums& kept = state.sums[first];
+  const ClusterState::Sums& gone = state.sums[second];
   for (std::size_t k = 0; k < 4; ++k) kept.normal_m[k] += gone.normal_m[k];
   for (std::size_t k = 0; k < 4; ++k) kept.point_m2[k] += gone.point_m2[k];
   kept.gap_m = std::min(kept.gap_m, gone.gap_m);
   kept.certain_separation_m = std::min(kept.certain_separation_m, gone.certain_separation_m);
-}
-
-void copy_cluster(std::size_t from, std::size_t to, ClusterState& state) {
-  state.sums[to] = state.sums[from];
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    state.direction[axis][to] = state.direction[axis][from];
-    state.center_m[axis][to] = state.center_m[axis][from];
-  }
-}
-
-}  // namespace
-
-void join_clusters(ClusterState& state, std::size_t first, std::size_t second) {
-  add_sums(state.sums[second], state.sums[first]);
   update_mean(state, first);
-  for (std::size_t c = second; c + 1 < state.count; ++c) copy_cluster(c + 1, c, state);
+  for (std::size_t c = second; c + 1 < state.count; ++c) {
+    state.sums[c] = state.sums[c + 1];
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      state.direction[axis][c] = state.direction[axis][c + 1];
+      state.center_m[axis][c] = state.center_m[axis][c + 1];
+    }
+  }
   --state.count;
-}
-
-void join_to(ClusterState& state, std::span<const std::size_t> staying, const float* nearest) {
-  std::array<bool, ClusterState::kMost> stays{};
-  for (const std::size_t c : staying) stays[c] = true;
-  for (std::size_t c = 0; c < state.count; ++c) {
-    if (!stays[c]) add_sums(state.sums[c], state.sums[staying[static_cast<std::size_t>(nearest[c])]]);
-  }
-  std::size_t count = 0;
-  for (std::size_t c = 0; c < state.count; ++c) {
-    if (!stays[c]) continue;
-    update_mean(state, c);
-    copy_cluster(c, count++, state);
-  }
-  state.count = static_cast<std::uint32_t>(count);
 }
 
 void ManifoldClusters::add(const NodeContacts& contacts, std::size_t count) {

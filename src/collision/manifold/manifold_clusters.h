@@ -36,9 +36,8 @@ struct ClusterState {
 };
 
 /// Clusters the contacts of a front into few contact points: each contact joins the nearest cluster in position and
-/// direction, or starts a new one; the nearest two are merged where there are too many at a time. Of the last ones
-/// those stay that support the pair as all of them would, and the others join them. Weights are w = reach - gap. The
-/// result depends on the order of contacts, which is that of the front, and on nothing else: the same bits on any
+/// direction, or starts a new one; the nearest two are merged where there are too many. Weights are w = reach - gap.
+/// The result depends on the order of contacts, which is that of the front, and on nothing else: the same bits on any
 /// instruction set.
 class ManifoldClusters {
  public:
@@ -49,8 +48,7 @@ class ManifoldClusters {
   }
   /// Adds the first `count` contacts, 1 to 8.
   void add(const NodeContacts& contacts, std::size_t count);
-  /// The manifold: at most kMaxManifoldPoints. Of more clusters the deepest stays, and those that are far from each
-  /// other, of those that touch before others; all others join the nearest of these.
+  /// The manifold: at most kMaxManifoldPoints; the nearest clusters are merged until they fit.
   void write(ManifoldPoints& into);
 
  private:
