@@ -135,25 +135,19 @@ std::size_t PointList::pick(const Group& group, std::size_t most,
     out[count++] = group.member[k];
   };
   const auto gap = [&](std::size_t k) { return point_[group.member[k]].gap_m; };
-  // The member with the largest figure above `least`, of those that touch if any of them has one; none where there is
-  // no such.
-  const double touching_m = std::max(0.0, gap(0)) + merge_m_;
-  const auto largest_of = [&](bool all, double least, auto&& figure) {
+  // The member with the largest figure above `least`; none where there is no such.
+  const auto largest = [&](double least, auto&& figure) {
     std::size_t best = group.count;
     double most_yet = least;
     for (std::size_t k = 0; k < group.count; ++k) {
       const double there = figure(at(k));
-      if (!(there > least) || (!all && gap(k) > touching_m)) continue;
+      if (!(there > least)) continue;
       const bool clearly = best == group.count || there > most_yet * (1 + kClearlyMore);
       if (!clearly && !(there > most_yet * (1 - kClearlyMore) && gap(k) < gap(best) - tie_m_)) continue;
       best = k;
       most_yet = std::max(most_yet, there);
     }
     return best;
-  };
-  const auto largest = [&](double least, auto&& figure) {
-    const std::size_t touching = largest_of(false, least, figure);
-    return touching < group.count ? touching : largest_of(true, least, figure);
   };
   take(outermost_of_deepest(group));
   if (most < 2) return count;

@@ -53,9 +53,7 @@ class PointList {
   /// At most kMaxManifoldPoints of those with gaps below `reach_m`, that support the pair as all of them would. A
   /// corner beneath several faces counts for the one that it is nearest to, but in a groove. Directions more than 20
   /// degrees apart share the manifold, the deepest first. Of one direction: the deepest, the one farthest from it, the
-  /// one that makes the largest triangle with them, and the one that adds most to that; each from
-  /// those that touch (gaps of at most the merging distance, or that above the deepest where it does not touch) if one
-  /// of them adds anything, otherwise from all. The result does not depend on
+  /// one that makes the largest triangle with them, and the one that adds most to that. The result does not depend on
   /// the order of add() except by merging.
   [[nodiscard]] ManifoldPoints choose(double reach_m) const;
 
