@@ -17,6 +17,7 @@
 #include "studies/study_overload.h"
 #include "studies/study_population.h"
 #include "studies/study_report.h"
+#include "studies/study_rest.h"
 #include "studies/study_strips.h"
 #include "studies/study_timing.h"
 #include "studies/study_trees.h"
@@ -80,6 +81,8 @@ void add_studies(CLI::App& command, int& exit_code) {
             add_study_levels_options, study_levels, exit_code);
   add_study(command, "accuracy", "Run cases whose outcome is known, and compare", add_study_accuracy_options,
             study_accuracy, exit_code);
+  add_study(command, "rest", "Which meshes come to rest on a plane, at each level and by polygons",
+            add_study_rest_options, study_rest, exit_code);
   add_study(command, "cost", "Time each mandatory stage: nanoseconds a candidate pair and a body, falling and settled",
             add_study_cost_options, study_cost, exit_code);
   add_study(command, "cache", "Compare frames that use the contact cache with frames that start without it",

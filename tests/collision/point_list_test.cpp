@@ -41,6 +41,23 @@ TEST(PointList, ChoosesTheDeepestAndTheOnesThatSpanTheRest) {
   }
 }
 
+// Three points carry a body. Where a farther one that does not touch took the place of one of them, the body sank there
+// until that was found again, and never came to rest.
+TEST(PointList, PointsThatTouchAreChosenBeforeOthers) {
+  PointList list(1);
+  list.add(found(Vec3(-0.24, 1.70, 0), -1.0e-3, 0));
+  list.add(found(Vec3(-0.06, -0.83, 0), -0.9e-3, 1));
+  list.add(found(Vec3(0.31, 1.88, 0), -0.7e-3, 2));
+  list.add(found(Vec3(-0.04, -1.03, 0), 3e-3, 3));
+  list.add(found(Vec3(0.12, -1.04, 0), 3e-3, 4));
+  list.add(found(Vec3(-0.30, 1.70, 0), 3e-3, 5));
+  list.add(found(Vec3(0.36, 1.85, 0), 3e-3, 6));
+  const ManifoldPoints set = list.choose(0.01);
+  ASSERT_EQ(set.count, 4U);
+  const auto touches = [](const ManifoldPoint& point) { return point.gap_m < 0; };
+  EXPECT_EQ(std::count_if(set.all().begin(), set.all().end(), touches), 3) << "and one beside them";
+}
+
 TEST(PointList, WhatIsNearAnotherPlaceInTheSameDirectionIsTheSamePlace) {
   PointList list(1);
   list.add(found(Vec3(0, 0, 0), 1e-3, 1));

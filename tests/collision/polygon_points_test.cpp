@@ -146,7 +146,22 @@ TEST(PolygonPoints, ABoxThatHangsOverStandsOnWhatIsBeneathIt) {
   }
 }
 
+// Twice the area around points on a horizontal face, in any order.
+double twice_area_of(std::vector<Vec3> points) {
+  Vec3 middle = Vec3::Zero();
+  for (const Vec3& p : points) middle += p / static_cast<double>(points.size());
+  const auto angle = [&](const Vec3& p) { return std::atan2(p.y() - middle.y(), p.x() - middle.x()); };
+  std::sort(points.begin(), points.end(), [&](const Vec3& p, const Vec3& q) { return angle(p) < angle(q); });
+  double area = 0;
+  for (std::size_t i = 0; i < points.size(); ++i)
+    area += (points[i] - middle).cross(points[(i + 1) % points.size()] - middle).z();
+  return area;
+}
+
 TEST(PolygonPoints, ASlightTiltLeavesTheSamePlacesWithGapsOfTheirOwn) {
+  // Where the faces overlap: two of these six are near each other at either end of the short side.
+  const std::vector<Vec3> places = {Vec3(0.4523, -0.5, 0.5), Vec3(0.5, -0.4852, 0.5),    Vec3(0.5, 0.5, 0.5),
+                                    Vec3(0.3012, 0.5, 0.5),  Vec3(0.07457, 0.4299, 0.5), Vec3(0.3622, -0.5, 0.5)};
   std::mt19937_64 random(9);
   for (int round = 0; round < 40; ++round) {
     Vec3 axis = random_vector(random, 1);
@@ -160,14 +175,16 @@ TEST(PolygonPoints, ASlightTiltLeavesTheSamePlacesWithGapsOfTheirOwn) {
     const Vec3 down = -turn.col(2);
     const ManifoldPoints set = manifold_points(cube(), cube(), turn, offset, 0.02);
     ASSERT_EQ(set.count, 4U) << round;
-    std::array<int, 2> ends{};
+    std::vector<Vec3> found;
     for (const ManifoldPoint& p : set.all()) {
       const double height = down.dot(Vec3(p.point_m.x(), p.point_m.y(), 0.5) - offset) - 0.5;
       EXPECT_NEAR(p.gap_m, height, 2e-5) << round;
       EXPECT_GT(p.normal.z(), 0.999);
-      ++ends[p.point_m.x() > 0.4 ? 1 : 0];
+      EXPECT_TRUE(std::ranges::any_of(places, [&](const Vec3& q) { return (p.point_m - q).norm() < 3e-3; })) << round;
+      found.push_back(p.point_m);
     }
-    EXPECT_EQ(ends[1], 2) << round;
+    // Those that touch count more, so that some of the area may be missing.
+    EXPECT_GT(twice_area_of(found), 0.75 * twice_area_of(places)) << round;
   }
 }
 

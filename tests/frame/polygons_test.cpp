@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: MIT
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
+#include <filesystem>
 #include <numeric>
+#include <string>
 
 #include "frame/scenes.h"
 #include "geometry/meshes.h"
 #include "geometry/shared_tree.h"
+#include "poise/assets/mesh_file.h"
 
 namespace poise {
 namespace {
@@ -165,6 +169,42 @@ TEST(PolygonLevel, ABoxThatFallsFlatComesToRestOnItsFace) {
   EXPECT_LT(state.velocity_mps.norm(), 1e-2);
   EXPECT_GT((state.orientation * Vec3::UnitZ()).z(), 0.999);
 }
+
+// Meshes of a robot arm lie on four places and more. Where the contact points of a step were other ones than those of
+// the step before, and what had carried the body was among the others, it rocked for ever.
+class MeshOnAPlane : public testing::TestWithParam<const char*> {};
+
+TEST_P(MeshOnAPlane, ComesToRest) {
+  const std::filesystem::path folder = "/usr/share/doc/simbody/examples/src/TaskSpaceControl-UR10/geometry";
+  if (!std::filesystem::exists(folder)) GTEST_SKIP() << "libsimbody-dev is not installed";
+  TriangleMesh mesh = read_mesh(folder / GetParam(), {}).value();
+  Eigen::AlignedBox3d box;
+  for (const Vec3& vertex : mesh.vertices_m) box.extend(vertex);
+  const double scale = 0.3 / box.sizes().maxCoeff();
+  for (Vec3& vertex : mesh.vertices_m) vertex *= scale;
+  Stage stage(settings_of(ContactModel::Fitted, 1, 9.81), 0);
+  stage.material = stage.world.add_material({0, 0.5, 1000}).value();
+  stage.plane(Vec3::UnitZ(), 0);
+  const ShapePtr shape = make_mesh_shape_with_tree(mesh, test::shared_tree(mesh, kDepth)).value();
+  const double lowest_m = scale * box.min().z() - shape->origin_offset_m.z();
+  const BodyId body = stage.add(stage.world.add_shape(shape), Vec3(0, 0, 0.05 - lowest_m));
+  StepInput input = step_of(1.0 / 60);
+  input.polygons = true;
+  for (int i = 0; i < 900; ++i) stage.world.step(input);
+  const Vec3 before_m = stage.at(body).position_m;
+  for (int i = 0; i < 60; ++i) {
+    stage.world.step(input);
+    EXPECT_LT(stage.at(body).velocity_mps.norm(), 1e-6);
+    EXPECT_LT(stage.at(body).angular_velocity_radps.norm(), 1e-5);
+  }
+  EXPECT_LT((stage.at(body).position_m - before_m).norm(), 1e-6);
+}
+
+INSTANTIATE_TEST_SUITE_P(OfARobot, MeshOnAPlane, testing::Values("Forearm.obj", "UpperArm.obj", "Wrist1.obj"),
+                         [](const auto& each) {
+                           const std::string file = each.param;
+                           return file.substr(0, file.find('.'));
+                         });
 
 }  // namespace
 }  // namespace poise

@@ -125,6 +125,14 @@ std::size_t PointList::outermost_of_deepest(const Group& group) const {
   return best;
 }
 
+// How much a length to a member counts: half where it is farther off than the deepest, or than what touches, by the
+// merging distance. If it counted in full, a place that hangs over the other body could take the place of one that
+// carries it, and a body at rest would rock between the two.
+double PointList::weight(const Group& group, std::size_t k) const {
+  const double touching_m = std::max(0.0, point_[group.member[0]].gap_m);
+  return merge_m_ / (merge_m_ + std::max(0.0, point_[group.member[k]].gap_m - touching_m));
+}
+
 std::size_t PointList::pick(const Group& group, std::size_t most,
                             std::array<std::uint8_t, kMaxManifoldPoints>& out) const {
   const auto at = [&](std::size_t k) -> const Vec3& { return point_[group.member[k]].point_m; };
@@ -135,13 +143,15 @@ std::size_t PointList::pick(const Group& group, std::size_t most,
     out[count++] = group.member[k];
   };
   const auto gap = [&](std::size_t k) { return point_[group.member[k]].gap_m; };
-  // The member with the largest figure above `least`; none where there is no such.
+  // The member with the largest figure by its weight, of those with a figure above `least`; none where there is no
+  // such.
   const auto largest = [&](double least, auto&& figure) {
     std::size_t best = group.count;
-    double most_yet = least;
+    double most_yet = 0;
     for (std::size_t k = 0; k < group.count; ++k) {
-      const double there = figure(at(k));
+      double there = figure(at(k));
       if (!(there > least)) continue;
+      there *= weight(group, k);
       const bool clearly = best == group.count || there > most_yet * (1 + kClearlyMore);
       if (!clearly && !(there > most_yet * (1 - kClearlyMore) && gap(k) < gap(best) - tie_m_)) continue;
       best = k;
@@ -152,7 +162,7 @@ std::size_t PointList::pick(const Group& group, std::size_t most,
   take(outermost_of_deepest(group));
   if (most < 2) return count;
   const std::size_t second =
-      largest(merge_m_ * merge_m_, [&](const Vec3& p) { return (p - chosen[0]).cross(group.normal).squaredNorm(); });
+      largest(merge_m_, [&](const Vec3& p) { return (p - chosen[0]).cross(group.normal).norm(); });
   if (second == group.count) return count;
   take(second);
   if (most < 3) return count;
@@ -218,8 +228,13 @@ void PointList::thin_out() {
           {{1, 0}, {1, 1}, {0, 1}, {-1, 1}, {-1, 0}, {-1, -1}, {0, -1}, {1, -1}}};
       const Vec3 toward = kToward[axis][0] * plane.u + kToward[axis][1] * plane.v;
       std::size_t best = 0;
+      double farthest = 0;
       for (std::size_t k = 1; k < group.count; ++k) {
-        if (toward.dot(point_[group.member[k]].point_m) > toward.dot(point_[group.member[best]].point_m)) best = k;
+        const Vec3 from_deepest = point_[group.member[k]].point_m - point_[group.member[0]].point_m;
+        const double there = weight(group, k) * toward.dot(from_deepest);
+        if (!(there > farthest)) continue;
+        best = k;
+        farthest = there;
       }
       keep[group.member[best]] = true;
     }

@@ -25,7 +25,7 @@ struct FoundPoint {
 
 /// Candidate contact points of a pair, of bounded capacity. Invariant: no two are nearer than the merging distance with
 /// directions less than kOneWay apart. When the list is full, only the points that span the others stay (per direction
-/// the nearest and the farthest ones along eight axes).
+/// the nearest, and the ones that are farthest from it along eight axes, by weight as of choose()).
 class PointList {
  public:
   static constexpr double kOneWay = 0.9396926207859084;  ///< cosine of 20 degrees: normals within it count as one
@@ -53,8 +53,8 @@ class PointList {
   /// At most kMaxManifoldPoints of those with gaps below `reach_m`, that support the pair as all of them would. A
   /// corner beneath several faces counts for the one that it is nearest to, but in a groove. Directions more than 20
   /// degrees apart share the manifold, the deepest first. Of one direction: the deepest, the one farthest from it, the
-  /// one that makes the largest triangle with them, and the one that adds most to that. The result does not depend on
-  /// the order of add() except by merging.
+  /// one that makes the largest triangle with them, and the one that adds most to that, where lengths to points that do
+  /// not touch count less. The result does not depend on the order of add() except by merging.
   [[nodiscard]] ManifoldPoints choose(double reach_m) const;
 
  private:
@@ -72,6 +72,7 @@ class PointList {
   [[nodiscard]] bool outdone(std::size_t index) const;
   void sort_into(double reach_m, Groups& groups) const;
   [[nodiscard]] std::size_t outermost_of_deepest(const Group& group) const;
+  [[nodiscard]] double weight(const Group& group, std::size_t k) const;
   std::size_t pick(const Group& group, std::size_t most, std::array<std::uint8_t, kMaxManifoldPoints>& out) const;
   void thin_out();
 
