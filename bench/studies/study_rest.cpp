@@ -5,12 +5,12 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <array>
 #include <cmath>
+#include <functional>
+#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "accuracy/small_world.h"
-#include "app/files/output_files.h"
 #include "app/options/option_values.h"
 #include "app/process/exit_codes.h"
 #include "app/process/refusal.h"
