@@ -75,7 +75,7 @@ Result<Scene> scene_of(const Dropped& dropped, std::uint64_t drop, std::uint64_t
          {"position_m", {0, 0, kDropHeightM - lowest_m}},
          {"orientation_wxyz", {turn.w(), turn.x(), turn.y(), turn.z()}}},
         {{"shape", "floor"}, {"material", "m"}, {"static", true}}}}};
-  return parse_scene(scene.dump(), dropped.mesh.name, "/");
+  return parse_scene(scene.dump(), dropped.mesh.name, "");
 }
 
 // The largest |v| + r |w| in the last frames of a drop, r the bounding radius.
