@@ -151,7 +151,6 @@ Result<std::vector<io::StudyCell>> row_of(const StudyRestOptions& o, const Study
       if (!scene) return scene.error();
       const Result<double> speed_mps = last_speed_mps(scene.value(), start, input);
       if (!speed_mps) return interrupt.asked() ? stopped_error() : speed_mps.error();
-      // Not a number is no rest either.
       moving += speed_mps.value() < kAtRestMps ? 0U : 1U;
       fastest_mps = std::max(fastest_mps, speed_mps.value());
     }
