@@ -239,10 +239,13 @@ TEST(FastBodies, OfSeveralPlatesOneBehindTheOtherTheFirstIsHit) {
     bool ordered = true;
     for (int frame = 0; frame < static_cast<int>(0.5 / dt_s); ++frame) {
       stage.world.step(swept_step(dt_s));
-      double above = stage.at(bullet).position_m.z();
+      // Above the plate, by the normal of this: what has been hit beside its middle turns.
+      Vec3 above_m = stage.at(bullet).position_m;
       for (const BodyId id : plates) {
-        ordered = ordered && stage.at(id).position_m.z() < above;
-        above = stage.at(id).position_m.z();
+        const BodyState plate_now = stage.at(id);
+        const Vec3 normal = plate_now.orientation * Vec3::UnitZ();
+        ordered = ordered && normal.dot(above_m - plate_now.position_m) > 0;
+        above_m = plate_now.position_m;
       }
     }
     EXPECT_TRUE(ordered) << dt_s;
