@@ -303,6 +303,8 @@ void list_manifolds(const ManifoldsInput& input, Manifolds& manifolds, FrameRepo
       for (std::uint32_t k = 0; k < count.solved; ++k) {
         const solver::Manifold& manifold = manifolds.of_chunk[count.begin + k];
         manifolds.manifolds[count.before + k] = manifold;
+        // Ranks are numbers of points.
+        static_assert(collision::kMaxManifoldPoints < solver::kRanks);
         manifolds.edges[count.before + k] = {manifold.a, manifold.b, dynamic[manifold.a] != 0, dynamic[manifold.b] != 0,
                                              manifold.point_count};
       }
