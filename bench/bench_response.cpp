@@ -60,7 +60,7 @@ struct Block {
       Manifold& pair = pairs.emplace_back();
       pair.a = edges[i].a;
       pair.b = edges[i].b;
-      pair.point_begin = pair.force_begin = static_cast<std::uint32_t>(i);
+      pair.point_begin = static_cast<std::uint32_t>(i);
       pair.point_count = 1;
       const Vec3 on_b = -0.5 * directions[i];
       points.push_back(

@@ -28,7 +28,7 @@ struct SeenContact {
   Level level = 0;  ///< kPolygonBin for polygons
   Vec3 normal = Vec3::UnitZ();
   std::uint8_t point_count = 0;
-  std::array<Vec3, 4> points_m{};
+  std::array<Vec3, Contact::kMostPoints> points_m{};
 };
 
 /// A pair of a frame before it is packed: `packed` but for its rows; bodies by number.

@@ -158,7 +158,6 @@ void count_known(const ActivePair& pair, const PairStart& start, bool swept, Kno
     ++known.refinable;
     known.seen = std::max(known.seen, pair.cached->seen);
   }
-  if (pair.cached->slot == kNoSlot && (!apart || start.refinable() || swept)) ++known.without_slot;
   if (apart) return;
   ++known.present;
   if (start.cached != CacheUse::None) return;
@@ -272,7 +271,6 @@ void fill_chunk(const CoarseInput& input, std::size_t chunk, PairTable& table) {
   counted.unknown = known.unknown;
   counted.outdated = known.outdated;
   counted.refinable = known.refinable;
-  counted.without_slot = known.without_slot;
   counted.seen = known.seen;
 }
 

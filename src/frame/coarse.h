@@ -43,14 +43,13 @@ struct ActivePair {
 
 /// What is known of some pairs before refinement.
 struct KnownCount {
-  std::uint32_t begin = 0;         ///< active pairs of all chunks before
-  std::uint32_t apart_begin = 0;   ///< likewise those that are apart
-  std::uint32_t present = 0;       ///< that are not known to be separated
-  std::uint32_t unknown = 0;       ///< of these, that nothing is cached of
-  std::uint32_t outdated = 0;      ///< of these, of which what is cached is too old
-  std::uint32_t refinable = 0;     ///< at most so many can be refined
-  std::uint32_t without_slot = 0;  ///< at most so many have no slot in the point cache and may need one
-  std::uint8_t seen = 0;           ///< the largest CachedPair::seen of those that can be refined
+  std::uint32_t begin = 0;        ///< active pairs of all chunks before
+  std::uint32_t apart_begin = 0;  ///< likewise those that are apart
+  std::uint32_t present = 0;      ///< that are not known to be separated
+  std::uint32_t unknown = 0;      ///< of these, that nothing is cached of
+  std::uint32_t outdated = 0;     ///< of these, of which what is cached is too old
+  std::uint32_t refinable = 0;    ///< at most so many can be refined
+  std::uint8_t seen = 0;          ///< the largest CachedPair::seen of those that can be refined
 };
 
 /// A candidate that is near, of a chunk of candidates.

@@ -31,14 +31,13 @@ void share_out(const Vec3& whole_ns, std::span<ContactPoint> points) {
 void list_points(const ListedPair& listed, double sign, Contact& contact) {
   const PairPoints& made = listed.made;
   // The first of several is for impacts alone.
-  const std::size_t begin = PointCache::begin(made.slot) + PointCache::before_manifold(made.point_count);
-  const std::size_t forces_begin = PointCache::forces_begin(made.slot);
+  const std::size_t begin = PointCache::manifold_begin(made.slot, made.point_count);
   const std::size_t count = std::min(PointCache::manifold_count(made.point_count), Contact::kMostPoints);
   const collision::Pose& a = listed.motion.poses[listed.pair.a];
   const collision::Pose& b = listed.motion.poses[listed.pair.b];
   for (std::size_t k = 0; k < count; ++k) {
     const solver::PlacedPoint placed = solver::placed_point(a, b, listed.points.points[begin + k]);
-    const solver::ContactForce& load = listed.points.forces[forces_begin + k];
+    const solver::ContactForce& load = listed.points.forces[begin + k];
     ContactPoint& point = contact.point_slots[k];
     point.point_m = a.position_m + placed.arm_m;
     point.normal = sign * placed.normal;

@@ -39,12 +39,6 @@ std::uint8_t count_points(const ManifoldsInput& input, std::size_t i) {
   return static_cast<std::uint8_t>(1 + input.levels.found.of(progress).point_count);
 }
 
-// Does a pair get points in this frame? One that waits only those that refinement has found.
-bool makes_points(const ManifoldsInput& input, std::size_t i) {
-  const PairProgress& progress = input.levels.progress[i];
-  return (!progress.held || progress.fresh()) && count_points(input, i) > 0;
-}
-
 // Points that this frame has found take the place of those that are cached. Their separations are those found.
 void write_points(const ManifoldsInput& input, std::size_t i, PairPoints& made, PointCache& cache) {
   // New points within this many skins of old ones are taken for them: a quarter of the smaller body's radius.
@@ -62,8 +56,12 @@ void write_points(const ManifoldsInput& input, std::size_t i, PairPoints& made, 
   for (std::size_t k = 1; k < made.point_count; ++k) renewed.found[k] = &points[k - 1];
   renewed.count = made.point_count;
   renewed.points = &cache.points[PointCache::begin(made.slot)];
-  renewed.forces = &cache.forces[PointCache::forces_begin(made.slot)];
+  renewed.forces = &cache.forces[PointCache::begin(made.slot)];
   renewed.old_count = pair.cached->point_count;
+  if (renewed.old_count > 0) {
+    renewed.old_points = &cache.points[PointCache::begin(pair.cached->slot)];
+    renewed.old_forces = &cache.forces[PointCache::begin(pair.cached->slot)];
+  }
   renewed.alike_m = kSameOfSkin * pair.skin_m;
   std::array<double, kPointsOfPair> gaps_m;
   renew_points(where, renewed, gaps_m);
@@ -159,9 +157,7 @@ void fill_manifold(const ManifoldsInput& input, std::size_t i, const PairPoints&
   const Material material = mixed(input.scene, pair);
   manifold.a = pair.a;
   manifold.b = pair.b;
-  manifold.point_begin =
-      static_cast<std::uint32_t>(PointCache::begin(points.slot) + PointCache::before_manifold(points.point_count));
-  manifold.force_begin = static_cast<std::uint32_t>(PointCache::forces_begin(points.slot));
+  manifold.point_begin = static_cast<std::uint32_t>(PointCache::manifold_begin(points.slot, points.point_count));
   manifold.pair = static_cast<std::uint32_t>(i);
   manifold.point_count = static_cast<std::uint8_t>(PointCache::manifold_count(points.point_count));
   manifold.fast = may_be_fast(input, i);
@@ -170,13 +166,27 @@ void fill_manifold(const ManifoldsInput& input, std::size_t i, const PairPoints&
   manifold.slop_m = kSlopOfSkin * pair.skin_m;
 }
 
+// Where the points of pairs go, and the worker that makes them.
+struct PointsTo {
+  PointCache& cache;
+  SlotRooms& rooms;
+  int worker;
+};
+
+// A slot that has room for the points of a pair: its own, or another.
+void find_slot(PairPoints& made, const PointsTo& to) {
+  if (made.slot != kNoSlot && PointCache::size_of(made.slot) >= PointCache::size_for(made.point_count)) return;
+  if (made.slot != kNoSlot) to.rooms.give_back(made.slot, to.worker);
+  made.slot = to.rooms.take(to.cache, made.point_count, to.worker);
+}
+
 // Points of one pair, and whether the solver takes them: one of them is nearer than the margin.
-void make_points_of(const ManifoldsInput& input, std::size_t i, PairPoints& made, PointCache& cache,
-                    SolvedCount& count) {
+void make_points_of(const ManifoldsInput& input, std::size_t i, PairPoints& made, const PointsTo& to) {
+  PointCache& cache = to.cache;
   const ActivePair& pair = input.table.pairs[i];
   const PairProgress& progress = input.levels.progress[i];
   const bool from_cache = progress.from_cache();
-  if (made.slot == kNoSlot) made.slot = cache.free_slot(count.new_slots++);
+  find_slot(made, to);
   if (!from_cache) write_points(input, i, made, cache);
   if (progress.on_ball) center_points(input, pair, from_cache, cache.points_of(made.slot, made.point_count));
   if (from_cache && !knows_separations(pair, progress)) {
@@ -192,7 +202,7 @@ void make_points_of(const ManifoldsInput& input, std::size_t i, PairPoints& made
 using ChunkManifolds = std::array<solver::Manifold, PairTable::kMostOfChunk>;
 
 // Points of one pair, and its manifold if the solver takes it.
-void make_pair(const ManifoldsInput& input, std::size_t i, PointCache& cache, SolvedCount& count,
+void make_pair(const ManifoldsInput& input, std::size_t i, const PointsTo& to, SolvedCount& count,
                ChunkManifolds& of_chunk, Manifolds& manifolds) {
   const PairProgress& progress = input.levels.progress[i];
   const CachedPair& cached = *input.table.pairs[i].cached;
@@ -215,7 +225,7 @@ void make_pair(const ManifoldsInput& input, std::size_t i, PointCache& cache, So
     count.unused_slots += made.slot != kNoSlot ? 1U : 0U;
     return;
   }
-  make_points_of(input, i, made, cache, count);
+  make_points_of(input, i, made, to);
   if (progress.held) ++count.held_found;
   if (!made.solved || progress.held) return;
   solver::Manifold& manifold = of_chunk[count.solved++];
@@ -226,7 +236,7 @@ void make_pair(const ManifoldsInput& input, std::size_t i, PointCache& cache, So
   ++count.levels[progress.by_polygons() ? kPolygonBin : progress.solved_level()];
 }
 
-// All pairs, chunk by chunk; slots of the point cache are handed out in canonical order.
+// All pairs, chunk by chunk.
 void make_points(const ManifoldsInput& input, PointCache& cache, Manifolds& manifolds, parallel::Executor& executor) {
   const PairTable& table = input.table;
   manifolds.solved_of_chunk.assign(table.chunks(), SolvedCount{});
@@ -234,37 +244,27 @@ void make_points(const ManifoldsInput& input, PointCache& cache, Manifolds& mani
   manifolds.points.resize(table.size());
   parallel::reserve_anew(manifolds.of_chunk, table.capacity());
   manifolds.of_chunk.resize(table.size());
-  const auto for_chunks = [&](auto&& use) {
-    parallel::parallel_for(executor, table.chunks(), kChunkGrain, [&](std::size_t first, std::size_t past, int) {
-      for (std::size_t chunk = first; chunk < past; ++chunk) use(chunk, manifolds.solved_of_chunk[chunk]);
-    });
-  };
-  for_chunks([&](std::size_t chunk, SolvedCount& count) {
-    if (table.known_of_chunk[chunk].without_slot == 0) return;
-    for (std::size_t i = table.begin_of(chunk); i < table.end_of(chunk); ++i) {
-      if (table.pairs[i].cached->slot == kNoSlot && makes_points(input, i)) ++count.new_slots;
-    }
-  });
-  std::uint32_t slots = 0;
-  for (SolvedCount& count : manifolds.solved_of_chunk) count.new_slots = std::exchange(slots, slots + count.new_slots);
-  // A pair may gain points in any later frame; slots for these cost no memory until they are used.
-  cache.reserve(2 * table.capacity(), executor);
-  cache.reserve_slots(slots, executor);
+  // Any pair may gain points in any frame.
+  manifolds.rooms.begin(cache, table.capacity(), executor);
   const bool distant = table.size() > parallel::kPairsAtHand;
   parallel::Tickets places;
-  for_chunks([&](std::size_t chunk, SolvedCount& count) {
-    ChunkManifolds of_chunk;
-    const std::size_t end = table.end_of(chunk);
-    for (std::size_t i = table.begin_of(chunk); i < end; ++i) {
-      if (distant && i + 2 * kPointsAhead < end) parallel::prefetch(*table.pairs[i + 2 * kPointsAhead].cached);
-      if (distant && i + kPointsAhead < end) prefetch_points_of(input, i + kPointsAhead, cache);
-      if (distant && i + kFoundAhead < end) prefetch_found_points_of(input, i + kFoundAhead);
-      make_pair(input, i, cache, count, of_chunk, manifolds);
+  parallel::parallel_for(executor, table.chunks(), kChunkGrain, [&](std::size_t first, std::size_t past, int worker) {
+    const PointsTo to{cache, manifolds.rooms, worker};
+    for (std::size_t chunk = first; chunk < past; ++chunk) {
+      SolvedCount& count = manifolds.solved_of_chunk[chunk];
+      ChunkManifolds of_chunk;
+      const std::size_t end = table.end_of(chunk);
+      for (std::size_t i = table.begin_of(chunk); i < end; ++i) {
+        if (distant && i + 2 * kPointsAhead < end) parallel::prefetch(*table.pairs[i + 2 * kPointsAhead].cached);
+        if (distant && i + kPointsAhead < end) prefetch_points_of(input, i + kPointsAhead, cache);
+        if (distant && i + kFoundAhead < end) prefetch_found_points_of(input, i + kFoundAhead);
+        make_pair(input, i, to, count, of_chunk, manifolds);
+      }
+      count.begin = static_cast<std::uint32_t>(places.take(count.solved));
+      std::copy_n(of_chunk.begin(), count.solved, manifolds.of_chunk.begin() + count.begin);
     }
-    count.begin = static_cast<std::uint32_t>(places.take(count.solved));
-    std::copy_n(of_chunk.begin(), count.solved, manifolds.of_chunk.begin() + count.begin);
   });
-  cache.take_slots(slots);
+  manifolds.rooms.end(cache);
 }
 
 // The manifolds one after another in canonical order, and their colours.
@@ -303,10 +303,10 @@ void list_manifolds(const ManifoldsInput& input, Manifolds& manifolds, FrameRepo
       for (std::uint32_t k = 0; k < count.solved; ++k) {
         const solver::Manifold& manifold = manifolds.of_chunk[count.begin + k];
         manifolds.manifolds[count.before + k] = manifold;
-        // Ranks are numbers of points.
-        static_assert(collision::kMaxManifoldPoints < solver::kRanks);
+        // Ranks are numbers of points, but for the largest.
+        constexpr std::uint8_t kLastRank = solver::kRanks - 1;
         manifolds.edges[count.before + k] = {manifold.a, manifold.b, dynamic[manifold.a] != 0, dynamic[manifold.b] != 0,
-                                             manifold.point_count};
+                                             std::min(manifold.point_count, kLastRank)};
       }
     }
   });

@@ -36,9 +36,8 @@ struct SolvedCount {
   std::uint32_t solved = 0, left = 0, cached_separations = 0, cached_contacts = 0;
   std::uint32_t manifold_points = 0;  ///< of the solved ones
   std::size_t held_found = 0;         ///< pairs that wait, with new points
-  std::uint32_t new_slots = 0;
-  std::uint32_t unused_slots = 0;  ///< pairs that have a slot and no points any more
-  std::uint32_t begin = 0;         ///< of the solved ones in Manifolds::of_chunk
+  std::uint32_t unused_slots = 0;     ///< pairs that have a slot and no points any more
+  std::uint32_t begin = 0;            ///< of the solved ones in Manifolds::of_chunk
   std::array<std::uint32_t, kPolygonBin + 1> levels{};
 };
 
@@ -54,7 +53,9 @@ struct Manifolds {
   std::size_t unused_slots = 0;                       ///< of pairs without points: *publish* releases them
   std::vector<SolvedCount> solved_of_chunk;           ///< per chunk of pairs
 
-  parallel::UnsetVector<solver::Manifold> of_chunk;  // scratch: those of each chunk side by side
+  // Scratch: the manifolds of each chunk side by side, and slots for points.
+  parallel::UnsetVector<solver::Manifold> of_chunk;
+  SlotRooms rooms;
 };
 
 /// Writes the points of the pairs into `points`, and lists the manifolds.

@@ -187,8 +187,8 @@ void release_unused(const PublishInput& input, PointCache& points, Publication& 
   if (input.manifolds.unused_slots == 0) return;
   const PairTable& table = input.table;
   const std::vector<SolvedCount>& of_chunk = input.manifolds.solved_of_chunk;
-  std::size_t position = points.free.size();
-  points.free.resize(position + input.manifolds.unused_slots);
+  std::size_t position = points.released.size();
+  points.released.resize(position + input.manifolds.unused_slots);
   publication.counts.reserve(table.known_of_chunk.capacity());
   publication.counts.clear();
   for (const SolvedCount& count : of_chunk)
@@ -198,7 +198,7 @@ void release_unused(const PublishInput& input, PointCache& points, Publication& 
     std::size_t at = publication.counts[chunk];
     for (std::size_t i = table.begin_of(chunk); i < table.end_of(chunk); ++i) {
       const PairPoints& made = input.manifolds.points[i];
-      if (made.point_count == 0 && made.slot != kNoSlot) points.free[at++] = made.slot;
+      if (made.point_count == 0 && made.slot != kNoSlot) points.released[at++] = made.slot;
     }
   });
 }
@@ -207,13 +207,13 @@ void release_unused(const PublishInput& input, PointCache& points, Publication& 
 void end_inactive(const PublishInput& input, ContactCache& cache, Publication& publication,
                   parallel::Executor& executor) {
   const parallel::UnsetVector<std::uint8_t>& active = input.table.still_near;
-  std::vector<std::uint32_t>& free = cache.points.free;
-  const std::size_t free_before = free.size();
+  std::vector<std::uint32_t>& released = cache.points.released;
+  const std::size_t released_before = released.size();
   parallel::select(
       executor, active.size(), kPairGrain, publication.counts,
       [&](std::size_t i) { return active[i] == 0 && cache.pairs[i].slot != kNoSlot; },
-      [&](std::size_t count) { free.resize(free_before + count); },
-      [&](std::size_t i, std::size_t position) { free[free_before + position] = cache.pairs[i].slot; });
+      [&](std::size_t count) { released.resize(released_before + count); },
+      [&](std::size_t i, std::size_t position) { released[released_before + position] = cache.pairs[i].slot; });
   parallel::UnsetVector<ContactEvent>& events = publication.of_inactive;
   parallel::select(
       executor, active.size(), kPairGrain, publication.counts,

@@ -54,14 +54,14 @@ void forget_removed(const dynamics::BodyStore& bodies, BodyChanges& changes, Con
     return is_removed(cache.pairs[i].low) || is_removed(cache.pairs[i].high);
   };
   const std::size_t count = cache.pairs.size();
-  std::vector<std::uint32_t>& free = cache.points.free;
-  const std::size_t free_before = free.size();
+  std::vector<std::uint32_t>& released = cache.points.released;
+  const std::size_t released_before = released.size();
   std::vector<std::size_t>& counts = changes.counts;
   parallel::select(
       executor, count, kCachedGrain, counts,
       [&](std::size_t i) { return is_of_removed(i) && cache.pairs[i].slot != kNoSlot; },
-      [&](std::size_t released) { free.resize(free_before + released); },
-      [&](std::size_t i, std::size_t position) { free[free_before + position] = cache.pairs[i].slot; });
+      [&](std::size_t ended) { released.resize(released_before + ended); },
+      [&](std::size_t i, std::size_t position) { released[released_before + position] = cache.pairs[i].slot; });
   const std::size_t ended_before = events.of_removed.size();
   parallel::select(
       executor, count, kCachedGrain, counts, [&](std::size_t i) { return is_of_removed(i) && cache.pairs[i].touching; },

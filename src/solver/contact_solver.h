@@ -14,10 +14,10 @@
 namespace poise::solver {
 
 /// The contact points of one pair in resting contact; they are consecutive in ContactSystem::points, and so are their
-/// forces.
+/// forces, which have the same indices.
 struct Manifold {
   std::uint32_t a = 0, b = 0;  ///< solver bodies
-  std::uint32_t point_begin = 0, force_begin = 0;
+  std::uint32_t point_begin = 0;
   std::uint32_t pair = 0;        ///< the caller's index of the pair
   std::uint8_t point_count = 0;  ///< at most collision::kMaxManifoldPoints
   bool fast = false;             ///< set by the caller: the pair may have an impact

@@ -48,9 +48,10 @@ SolveInput PairStages::solve_input() const {
 void PairStages::make_rows() {
   FrameReport report;
   // Pairs are not cached between queries.
-  points_.free.clear();
-  for (std::size_t slot = points_.points.size() / kPointsOfPair; slot-- > 0;)
-    points_.free.push_back(static_cast<std::uint32_t>(slot));
+  points_.released.clear();
+  for (std::vector<std::uint32_t>& free : points_.free) free.clear();
+  points_.points.clear();
+  points_.forces.clear();
   make_manifolds({world_.scene(), terms_, frame_.motion, frame_.table, frame_.levels, 0}, points_, frame_.manifolds,
                  report, *world_.executor);
   begin_solve(solve_input(), frame_.velocities, *world_.executor);

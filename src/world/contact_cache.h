@@ -1,12 +1,16 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <array>
+#include <bit>
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
 
 #include "collision/manifold/manifold_point.h"
 #include "parallel/executor.h"
+#include "parallel/shared_counters.h"
 #include "parallel/unset_vector.h"
 #include "poise/types.h"
 #include "solver/contacts/contact_point.h"
@@ -19,39 +23,76 @@ inline constexpr std::size_t kForcesOfPair = collision::kMaxManifoldPoints;
 inline constexpr std::size_t kPointsOfPair = kForcesOfPair + 1;
 inline constexpr std::uint32_t kNoSlot = 0xffffffffU;
 
-/// Contact points and their forces, in slots of kPointsOfPair and kForcesOfPair. A pair keeps its slot for as long as
-/// it has points. Invariant: a slot is either free or one pair's.
+/// Contact points and their forces, those of a pair one after another in a slot. The force of a point has its index.
+/// Slots have sizes: room for the point of the impact and manifolds of 1, 2, 4 or 8 points. A pair keeps its slot for
+/// as long as it has points and these have room there. Invariant: a slot is either released or one pair's.
 struct PointCache {
+  static constexpr std::size_t kSizes = std::bit_width(collision::kMaxManifoldPoints);
+
   parallel::UnsetVector<solver::ContactPoint> points;
   parallel::UnsetVector<solver::ContactForce> forces;
-  std::vector<std::uint32_t> free;
+  std::vector<std::uint32_t> released;                  ///< slots of any size, not yet among the free ones
+  std::array<std::vector<std::uint32_t>, kSizes> free;  ///< one a size
 
-  /// Memory for at least `slots` slots; pages of those that are never used stay untouched.
-  void reserve(std::size_t slots, parallel::Executor& executor);
-  /// Makes sure that there are `count` free slots.
-  void reserve_slots(std::size_t count, parallel::Executor& executor);
-  /// The n-th of the free slots that reserve_slots made sure of; take_slots(count) when all have been handed out. Any
-  /// thread.
-  [[nodiscard]] std::uint32_t free_slot(std::size_t n) const { return free[free.size() - 1 - n]; }
-  void take_slots(std::size_t count) { free.resize(free.size() - count); }
-  void release(std::uint32_t slot) {
-    if (slot != kNoSlot) free.push_back(slot);
+  /// The size that slots for so many points have: 0 to kSizes - 1.
+  [[nodiscard]] static std::size_t size_for(std::size_t point_count) {
+    return point_count > 2 ? static_cast<std::size_t>(std::bit_width(point_count - 2)) : 0;
   }
-
-  [[nodiscard]] static std::size_t begin(std::uint32_t slot) { return slot * kPointsOfPair; }
+  [[nodiscard]] static std::size_t points_of_size(std::size_t size) { return (std::size_t{1} << size) + 1; }
+  [[nodiscard]] static std::uint32_t slot_at(std::size_t begin, std::size_t size) {
+    return static_cast<std::uint32_t>(begin << kSizeBits | size);
+  }
+  [[nodiscard]] static std::size_t begin(std::uint32_t slot) { return slot >> kSizeBits; }
+  [[nodiscard]] static std::size_t size_of(std::uint32_t slot) { return slot & ((1U << kSizeBits) - 1U); }
   /// Of so many points of a pair those of its manifold: all but the first, or that one if it is the only one.
   [[nodiscard]] static std::size_t before_manifold(std::size_t point_count) { return point_count > 1 ? 1 : 0; }
   [[nodiscard]] static std::size_t manifold_count(std::size_t point_count) {
     return point_count - before_manifold(point_count);
   }
-  [[nodiscard]] static std::size_t forces_begin(std::uint32_t slot) { return slot * kForcesOfPair; }
+  [[nodiscard]] static std::size_t manifold_begin(std::uint32_t slot, std::size_t point_count) {
+    return begin(slot) + before_manifold(point_count);
+  }
   [[nodiscard]] std::span<solver::ContactPoint> points_of(std::uint32_t slot, std::size_t count) {
     return std::span(points).subspan(begin(slot), count);
   }
   /// The forces of the manifold of a pair with so many points.
   [[nodiscard]] std::span<solver::ContactForce> forces_of(std::uint32_t slot, std::size_t point_count) {
-    return std::span(forces).subspan(forces_begin(slot), manifold_count(point_count));
+    return std::span(forces).subspan(manifold_begin(slot, point_count), manifold_count(point_count));
   }
+
+ private:
+  static constexpr std::uint32_t kSizeBits = std::bit_width(kSizes - 1);
+};
+
+/// Hands out slots of a point cache to the workers of a frame. Which one a pair gets depends on threads and is not part
+/// of any result. Invariant: buffers only grow.
+class SlotRooms {
+ public:
+  /// Memory for what `pairs` pairs may need at most, of which pages that are never used stay untouched; released slots
+  /// are free from here on.
+  void begin(PointCache& cache, std::size_t pairs, parallel::Executor& executor);
+  /// A slot for so many points. Each worker as itself.
+  [[nodiscard]] std::uint32_t take(const PointCache& cache, std::size_t point_count, int worker);
+  /// The slot is no longer used, but what is in it stays as it is until the next begin(). Each worker as itself.
+  void give_back(std::uint32_t slot, int worker) { rooms_[static_cast<std::size_t>(worker)].left.push_back(slot); }
+  /// When all have been handed out.
+  void end(PointCache& cache);
+
+ private:
+  static constexpr std::size_t kBlock = 16;  // slots that a worker takes at once; chosen
+  // What a worker has taken and not given to pairs yet, the last first, and what it has got back.
+  struct alignas(64) Room {
+    std::array<std::uint32_t, PointCache::kSizes> count{};
+    std::array<std::array<std::uint32_t, kBlock>, PointCache::kSizes> slots;
+    std::vector<std::uint32_t> left;
+  };
+  void refill(const PointCache& cache, std::size_t size, Room& room);
+
+  std::vector<Room> rooms_;  // one a worker
+  std::array<parallel::Tickets, PointCache::kSizes> taken_;
+  parallel::Tickets added_;        // points beyond those that the cache had at begin()
+  std::size_t points_before_ = 0;  // those that it had
+  std::vector<std::size_t> counts_;
 };
 
 /// A pair of the contact cache.

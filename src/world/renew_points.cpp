@@ -21,7 +21,7 @@ using V = hn::Vec<Doubles>;
 using Three = lanes::Triple<V>;
 
 // As many points as fill whole registers.
-constexpr std::size_t kRows = 8;
+constexpr std::size_t kRows = 16;
 static_assert(kPointsOfPair <= kRows);
 
 HWY_INLINE Three all(Doubles d, const double* of) { return {hn::Set(d, of[0]), hn::Set(d, of[1]), hn::Set(d, of[2])}; }
@@ -88,6 +88,9 @@ HWY_INLINE void copy_force(Doubles d, const double* from, double* to) {
   for (std::size_t k = 0; k < 4; k += hn::Lanes(d)) hn::Store(hn::Load(d, from + k), d, to + k);
 }
 HWY_INLINE double* numbers(solver::ContactForce& force) { return lanes::figures_at<double>(&force, 0, 0); }
+HWY_INLINE const double* numbers(const solver::ContactForce& force) {
+  return lanes::figures_at<const double>(&force, 0, 0);
+}
 
 // Fixes all points to the bodies.
 HWY_INLINE void place(Doubles d, const PlacedPair& pair, const RenewedPoints& renewed,
@@ -139,7 +142,7 @@ void renew(const PlacedPair& pair, const RenewedPoints& renewed, std::array<doub
   const Doubles d;
   const std::size_t before = PointCache::before_manifold(renewed.count);
   const std::size_t count = PointCache::manifold_count(renewed.count);
-  solver::ContactForce* const forces = renewed.forces;
+  solver::ContactForce* const forces = renewed.forces + before;
   if (renewed.old_count == 0) {
     place(d, pair, renewed, gaps_m);
     for (std::size_t i = 0; i < count; ++i) forces[i] = {};
@@ -147,10 +150,11 @@ void renew(const PlacedPair& pair, const RenewedPoints& renewed, std::array<doub
   }
   const std::size_t old_count = PointCache::manifold_count(renewed.old_count);
   OldPoints old;
-  read(d, renewed.points + PointCache::before_manifold(renewed.old_count), old_count, old);
+  const std::size_t old_before = PointCache::before_manifold(renewed.old_count);
+  read(d, renewed.old_points + old_before, old_count, old);
   // The last is for points that are new.
   alignas(32) double old_forces[kForcesOfPair + 1][4];
-  for (std::size_t k = 0; k < old_count; ++k) copy_force(d, numbers(forces[k]), old_forces[k]);
+  for (std::size_t k = 0; k < old_count; ++k) copy_force(d, numbers(renewed.old_forces[old_before + k]), old_forces[k]);
   for (double& none : old_forces[kForcesOfPair]) none = 0;
   place(d, pair, renewed, gaps_m);
   const double square_m2 = renewed.alike_m * renewed.alike_m;

@@ -23,10 +23,12 @@ struct PlacedPair {
 struct RenewedPoints {
   std::array<const collision::ManifoldPoint*, kPointsOfPair> found{};  ///< that of the impact, then the manifold
   std::size_t count = 0;                                               ///< 1 to kPointsOfPair
-  solver::ContactPoint* points = nullptr;                              ///< of the slot, kPointsOfPair
-  solver::ContactForce* forces = nullptr;                              ///< of the slot, kForcesOfPair
-  std::size_t old_count = 0;                                           ///< points that are there
-  double alike_m = 0;  ///< a point within this of an old one, with nearly the same normal, is taken for it
+  solver::ContactPoint* points = nullptr;                              ///< of the slot, with room for them
+  solver::ContactForce* forces = nullptr;                              ///< of the slot: that of a point has its index
+  const solver::ContactPoint* old_points = nullptr;                    ///< those that they replace, there or elsewhere
+  const solver::ContactForce* old_forces = nullptr;
+  std::size_t old_count = 0;  ///< of the old points
+  double alike_m = 0;         ///< a point within this of an old one, with nearly the same normal, is taken for it
 };
 
 /// Fixes the points to the two bodies; on a plane their separation becomes that of the plane itself. Points of the

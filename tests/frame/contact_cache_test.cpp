@@ -27,7 +27,8 @@ TEST(CachedPoint, FollowsBothBodies) {
   std::array<solver::ContactPoint, simulation::kPointsOfPair> points;
   std::array<solver::ContactForce, simulation::kForcesOfPair> forces;
   std::array<double, simulation::kPointsOfPair> gaps_m{};
-  simulation::renew_points({a, b}, {{&manifold_point}, 1, points.data(), forces.data(), 0, 0}, gaps_m);
+  simulation::renew_points({a, b}, {{&manifold_point}, 1, points.data(), forces.data(), nullptr, nullptr, 0, 0},
+                           gaps_m);
   const solver::ContactPoint& cached = points[0];
   EXPECT_DOUBLE_EQ(gaps_m[0], 0.01);
   const solver::PlacedPoint here = solver::placed_point(a, b, cached);
@@ -53,19 +54,36 @@ TEST(PointCache, PairsWithPointsAndNoOthersHaveASlotAndNoTwoTheSame) {
   input.dt_s = 1.0 / 60;
   std::size_t with_points = 0;
   std::size_t without = 0;
+  std::size_t moved = 0;
   for (int i = 0; i < 120; ++i) {
     stage.world.step(input);
     const simulation::ContactCache& cache = simulation::WorldAccess::of(stage.world).cache;
-    std::vector<std::uint32_t> slots = cache.points.free;
+    using simulation::PointCache;
+    std::vector<std::uint32_t> slots = cache.points.released;
+    for (std::size_t size = 0; size < PointCache::kSizes; ++size) {
+      for (const std::uint32_t slot : cache.points.free[size]) ASSERT_EQ(PointCache::size_of(slot), size);
+      slots.insert(slots.end(), cache.points.free[size].begin(), cache.points.free[size].end());
+    }
     for (const simulation::CachedPair& pair : cache.pairs) {
       ASSERT_EQ(pair.slot != simulation::kNoSlot, pair.point_count > 0);
-      if (pair.point_count > 0) slots.push_back(pair.slot);
       ++(pair.point_count > 0 ? with_points : without);
+      if (pair.point_count == 0) continue;
+      const std::size_t room = PointCache::points_of_size(PointCache::size_of(pair.slot));
+      ASSERT_LE(pair.point_count, room);
+      moved += room > 2 ? 1 : 0;
+      slots.push_back(pair.slot);
     }
+    // All of the memory, one slot after another.
     std::sort(slots.begin(), slots.end());
-    ASSERT_EQ(std::adjacent_find(slots.begin(), slots.end()), slots.end());
-    ASSERT_EQ(slots.size(), cache.points.points.size() / simulation::kPointsOfPair);
+    std::size_t end = 0;
+    for (const std::uint32_t slot : slots) {
+      ASSERT_EQ(PointCache::begin(slot), end);
+      end += PointCache::points_of_size(PointCache::size_of(slot));
+    }
+    ASSERT_EQ(end, cache.points.points.size());
+    ASSERT_EQ(end, cache.points.forces.size());
   }
+  EXPECT_GT(moved, 0U) << "no pair has more points than the smallest slot has room for";
   EXPECT_GT(with_points, 0U);
   EXPECT_GT(without, 0U);
 }

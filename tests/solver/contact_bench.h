@@ -42,7 +42,7 @@ struct Bench {
     Manifold pair;
     pair.a = a;
     pair.b = b;
-    pair.point_begin = pair.force_begin = static_cast<std::uint32_t>(points.size());
+    pair.point_begin = static_cast<std::uint32_t>(points.size());
     pair.point_count = static_cast<std::uint8_t>(points_m.size());
     pair.friction = friction;
     pairs.push_back(pair);

@@ -37,7 +37,7 @@ struct Slab : Bench {
   double load_on_ground_n() const {
     double sum = 0;
     for (const Manifold& pair : pairs) {
-      if (pair.a == ground) sum += forces[pair.force_begin].normal_n;
+      if (pair.a == ground) sum += forces[pair.point_begin].normal_n;
     }
     return sum;
   }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -104,7 +105,7 @@ class FoundContacts {
   static constexpr std::uint32_t kFirst = 1;
   // Entries, and places for points, that a worker takes at once; chosen.
   static constexpr std::uint32_t kBlock = 16, kPointBlock = 64;
-  // Of a pair: up to three that are too few, and then as many as there can be; and what is left over of blocks.
+  // Of a pair that comes to have more and more: 1, 2, 4 and as many as there can be, and what is left over of blocks.
   static constexpr std::size_t kMostPlaces = 2 * collision::kMaxManifoldPoints;
   // What a worker has taken and not given to pairs yet. Workers write into no cache line of another.
   struct alignas(64) Room {
@@ -140,7 +141,7 @@ class FoundContacts {
     const auto count = static_cast<std::uint8_t>(points.count);
     if (count > into.point_room) {
       Room& room = rooms_[static_cast<std::size_t>(worker)];
-      const std::uint8_t wanted = into.point_room == 0 ? count : std::uint8_t{collision::kMaxManifoldPoints};
+      const std::uint8_t wanted = std::bit_ceil(count);
       if (room.next_point + wanted > room.past_points) {
         room.next_point = static_cast<std::uint32_t>(points_taken_.take(kPointBlock));
         room.past_points = room.next_point + kPointBlock;

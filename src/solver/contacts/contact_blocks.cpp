@@ -36,7 +36,7 @@ void gather_sources(const SplitSystem& system, double substep_s, ContactBlock& b
     sources.pose_a[lane] = used ? &system.poses[pair.a] : &nowhere;
     sources.pose_b[lane] = used ? &system.poses[pair.b] : &nowhere;
     sources.points[lane] = system.points.data() + pair.point_begin;
-    sources.forces[lane] = system.forces.data() + pair.force_begin;
+    sources.forces[lane] = system.forces.data() + pair.point_begin;
     sources.point_count[lane] = used ? system.solved_points(name) : std::uint8_t{0};
     sources.least_points = std::min(sources.least_points, sources.point_count[lane]);
     sources.pairs[lane] = used ? &pair : &no_pair;
@@ -108,7 +108,7 @@ void write_back_block(const SplitSystem& system, const SubstepTimes& times, Cont
   forces.substep_s = times.substep_s;
   for (std::size_t lane = 0; lane < block.count; ++lane) {
     const Manifold& pair = system.pairs[block.pair[lane]];
-    forces.first[lane] = system.forces.data() + pair.force_begin;
+    forces.first[lane] = system.forces.data() + pair.point_begin;
     forces.point_count[lane] = system.solved_points(block.pair[lane]);
   }
   LaneImpulses impulses;

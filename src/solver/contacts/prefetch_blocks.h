@@ -15,8 +15,8 @@ HWY_INLINE void prefetch_pairs(const SplitSystem& system, const ContactBlock& bl
 }
 
 HWY_INLINE void prefetch_forces(const SplitSystem& system, const Manifold& pair) {
-  parallel::prefetch(system.forces[pair.force_begin]);
-  parallel::prefetch(system.forces[pair.force_begin + pair.point_count - 1U]);
+  parallel::prefetch(system.forces[pair.point_begin]);
+  parallel::prefetch(system.forces[pair.point_begin + pair.point_count - 1U]);
 }
 
 /// What fill_block reads.
