@@ -37,7 +37,7 @@ struct Series {
 struct Context {
   ExecutorKind executor = ExecutorKind::Serial;
   int threads = 1;
-  std::uint64_t heaps = 5;       ///< that fall, where which heap it is decides what it does
+  std::uint64_t heaps = 12;      ///< that fall, where which heap it is decides what it does
   std::filesystem::path scenes;  ///< the folder of the shipped scene files; its accuracy/ has those of the cases
   std::optional<TreeCacheSettings> tree_cache;
   std::stop_token stop;

@@ -145,7 +145,7 @@ void add_study_accuracy_options(CLI::App& command, StudyAccuracyOptions& o) {
   add_whole(command, "--threads", o.threads, 0, 256, "Threads, 0 = as many as the machine has (default 1)");
   add_whole(
       command, "--heaps", o.heaps, 1, 1000,
-      "Heaps of each kind that fall and settle in 'levels change' (default 5): that of the scene, and those of the "
+      "Heaps of each kind that fall and settle in 'levels change' (default 12): that of the scene, and those of the "
       "seeds behind its own");
   add_path(command, "--json", o.json, "Write the rows as JSON (poise.accuracy/1), - for the standard output");
   add_path(command, "--markdown", o.markdown, "Write the table for docs, - for the standard output");

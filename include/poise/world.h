@@ -148,7 +148,7 @@ struct ContactPoint {
 
 /// A pair that touched in the last step.
 struct Contact {
-  static constexpr std::size_t kMostPoints = 4;
+  static constexpr std::size_t kMostPoints = 8;
   BodyId a, b;                  ///< a comes before b in the order of slots
   Level level = 0;              ///< completed for the pair; for polygons, the deepest level of its trees + 1
   Vec3 normal = Vec3::UnitZ();  ///< from a to b, unit, mean over the pair

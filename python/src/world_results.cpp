@@ -152,12 +152,12 @@ void bind_results(py::module_& module, WorldClass& world) {
       .def("contacts", &contacts,
            R"(The pairs that touched in the last step: a structured array, a copy, in the order of (a, b).
 
-Fields: a, b (slots of the bodies), level (completed for the pair), point_count (1 to 4), normal (3, unit, from
+Fields: a, b (slots of the bodies), level (completed for the pair), point_count (1 to 8), normal (3, unit, from
 a to b), point_m (3, metres, world frame), gap_m (separation of the modelled surfaces at the start of the step,
 negative in overlap), impulse_ns (3, kg m/s, received by b). The first call after a step makes the list; it
 costs nothing if unused.)")
       .def("contact_points", &contact_points,
-           R"(The points of the manifolds of contacts(): a structured array, a copy, up to four rows a contact.
+           R"(The points of the manifolds of contacts(): a structured array, a copy, up to eight rows a contact.
 
 Fields: contact (row of contacts()), a, b (slots), level, point_m (3), normal (3), separation_m, impulse_ns (3).)")
       .def(

@@ -49,7 +49,8 @@ struct PackedContact {
   Level level = 0;
   std::array<std::int16_t, 3> normal{};  ///< from a to b, times 32767
   std::uint8_t point_count = 0;
-  std::array<std::array<std::int64_t, 3>, 4> points{};  ///< in steps, world frame; the first point_count are valid
+  std::array<std::array<std::int64_t, 3>, Contact::kMostPoints>
+      points{};  ///< in steps, world frame; the first point_count are valid
   friend bool operator==(const PackedContact&, const PackedContact&) = default;
 };
 

@@ -245,7 +245,7 @@ void make_points(const ManifoldsInput& input, PointCache& cache, Manifolds& mani
   parallel::reserve_anew(manifolds.of_chunk, table.capacity());
   manifolds.of_chunk.resize(table.size());
   // Any pair may gain points in any frame.
-  manifolds.rooms.begin(cache, table.capacity(), executor);
+  manifolds.rooms.begin(cache, table.size(), table.capacity(), executor);
   const bool distant = table.size() > parallel::kPairsAtHand;
   parallel::Tickets places;
   parallel::parallel_for(executor, table.chunks(), kChunkGrain, [&](std::size_t first, std::size_t past, int worker) {
@@ -303,10 +303,8 @@ void list_manifolds(const ManifoldsInput& input, Manifolds& manifolds, FrameRepo
       for (std::uint32_t k = 0; k < count.solved; ++k) {
         const solver::Manifold& manifold = manifolds.of_chunk[count.begin + k];
         manifolds.manifolds[count.before + k] = manifold;
-        // Ranks are numbers of points, but for the largest.
-        constexpr std::uint8_t kLastRank = solver::kRanks - 1;
         manifolds.edges[count.before + k] = {manifold.a, manifold.b, dynamic[manifold.a] != 0, dynamic[manifold.b] != 0,
-                                             std::min(manifold.point_count, kLastRank)};
+                                             solver::rank_of(manifold.point_count)};
       }
     }
   });

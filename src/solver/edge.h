@@ -9,7 +9,7 @@ namespace poise::solver {
 struct Edge {
   std::uint32_t a = 0, b = 0;
   bool dynamic_a = true, dynamic_b = true;
-  std::uint8_t rank = 0;  ///< below kRanks
+  std::uint8_t rank = 0;  ///< rank_of(...)
   [[nodiscard]] bool grounded() const { return !(dynamic_a && dynamic_b); }
 };
 
@@ -19,6 +19,12 @@ inline constexpr std::uint32_t kColors = 64;
 /// yield holds whatever the rows before them left.
 inline constexpr std::uint32_t kGroundColors = 8;
 inline constexpr std::uint32_t kRanks = 8;
+
+/// The rank of a row with so many contact points: below kRanks, and the more the higher, but for the last.
+inline std::uint8_t rank_of(std::uint8_t point_count) {
+  constexpr std::uint8_t kLast = kRanks - 1;
+  return point_count < kLast ? point_count : kLast;
+}
 
 /// The colours that an edge may not have, as bits.
 inline std::uint64_t colors_of_others(const Edge& edge) {

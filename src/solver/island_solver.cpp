@@ -80,7 +80,7 @@ Convergence IslandSolver::solve_one(const ContactSystem& system, const Island& i
     pair.a = dynamic_a ? local_[pair.a] : copy(pair.a);
     pair.b = dynamic_b ? local_[pair.b] : copy(pair.b);
     worker.pairs.push_back(pair);
-    worker.edges.push_back({pair.a, pair.b, dynamic_a, dynamic_b, pair.point_count});
+    worker.edges.push_back({pair.a, pair.b, dynamic_a, dynamic_b, rank_of(pair.point_count)});
   }
   worker.applied_impulse_ns.resize(worker.pairs.size());
   worker.coloring.color(worker.edges, worker.bodies.size());

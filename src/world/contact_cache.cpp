@@ -12,14 +12,14 @@ constexpr std::size_t kSlotGrain = 1024;
 
 }  // namespace
 
-void SlotRooms::begin(PointCache& cache, std::size_t pairs, parallel::Executor& executor) {
+void SlotRooms::begin(PointCache& cache, std::size_t pairs, std::size_t most_pairs, parallel::Executor& executor) {
   const auto workers = static_cast<std::size_t>(executor.concurrency());
   if (rooms_.size() < workers) rooms_.resize(workers);
   // No size has more slots than there were pairs at once, and those that workers have left over.
-  const std::size_t slots = pairs + workers * kBlock;
+  const std::size_t slots = most_pairs + workers * kBlock;
   cache.released.reserve(slots);
   for (std::vector<std::uint32_t>& free : cache.free) free.reserve(slots);
-  for (Room& room : rooms_) room.left.reserve(pairs);
+  for (Room& room : rooms_) room.left.reserve(most_pairs);
   for (parallel::Tickets& taken : taken_) taken.reset();
   std::array<std::size_t, PointCache::kSizes> before{};
   parallel::group(
@@ -40,10 +40,13 @@ void SlotRooms::begin(PointCache& cache, std::size_t pairs, parallel::Executor& 
   points_before_ = cache.points.size();
   std::size_t left_over = 0;
   for (std::size_t size = 0; size < PointCache::kSizes; ++size) left_over += kBlock * PointCache::points_of_size(size);
-  const std::size_t most = points_before_ + kPointsOfPair * pairs + workers * left_over;
+  const std::size_t before_pairs = points_before_ + workers * left_over;
+  const std::size_t most = before_pairs + kPointsOfPair * pairs;
   if (most > cache.points.capacity()) {
-    parallel::reserve(executor, cache.points, 2 * most);
-    parallel::reserve(executor, cache.forces, 2 * most);
+    // Half as much again for what the pairs of later frames will have.
+    const std::size_t room = before_pairs + kPointsOfPair * most_pairs * 3 / 2;
+    parallel::reserve(executor, cache.points, room);
+    parallel::reserve(executor, cache.forces, room);
   }
   cache.points.resize(most);
   cache.forces.resize(most);

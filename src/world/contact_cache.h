@@ -68,9 +68,9 @@ struct PointCache {
 /// of any result. Invariant: buffers only grow.
 class SlotRooms {
  public:
-  /// Memory for what `pairs` pairs may need at most, of which pages that are never used stay untouched; released slots
-  /// are free from here on.
-  void begin(PointCache& cache, std::size_t pairs, parallel::Executor& executor);
+  /// Memory for what `pairs` pairs may need at most, or where that has to grow `most_pairs`, at least as many; pages
+  /// that are never used stay untouched. Released slots are free from here on.
+  void begin(PointCache& cache, std::size_t pairs, std::size_t most_pairs, parallel::Executor& executor);
   /// A slot for so many points. Each worker as itself.
   [[nodiscard]] std::uint32_t take(const PointCache& cache, std::size_t point_count, int worker);
   /// The slot is no longer used, but what is in it stays as it is until the next begin(). Each worker as itself.

@@ -21,8 +21,7 @@ using V = hn::Vec<Doubles>;
 using Three = lanes::Triple<V>;
 
 // As many points as fill whole registers.
-constexpr std::size_t kRows = 16;
-static_assert(kPointsOfPair <= kRows);
+constexpr std::size_t kRows = (kPointsOfPair + 3) / 4 * 4;
 
 HWY_INLINE Three all(Doubles d, const double* of) { return {hn::Set(d, of[0]), hn::Set(d, of[1]), hn::Set(d, of[2])}; }
 
@@ -36,13 +35,15 @@ constexpr std::size_t kParts = kForcesOfPair / kLanes;
 
 // The old points of a manifold, one a lane.
 struct OldPoints {
+  std::size_t parts;  // that hold points
   Three normal[kParts], on_a_m[kParts];
   V barrier[kParts];  // of those that are taken larger than any square of a distance, else 0
 };
 HWY_INLINE void read(Doubles d, const solver::ContactPoint* points, std::size_t count, OldPoints& into) {
   const solver::ContactPoint* rows[kForcesOfPair];
   for (std::size_t k = 0; k < kForcesOfPair; ++k) rows[k] = points + (k < count ? k : 0);
-  for (std::size_t part = 0; part < kParts; ++part) {
+  into.parts = (count + kLanes - 1) / kLanes;
+  for (std::size_t part = 0; part < into.parts; ++part) {
     const lanes::Columns<V> first = quads(d, rows + part * kLanes, 0);
     const lanes::Columns<V> second = quads(d, rows + part * kLanes, 4);
     into.normal[part] = {first.at[0], first.at[1], first.at[2]};
@@ -61,7 +62,7 @@ HWY_INLINE std::size_t take_nearest(Doubles d, const solver::ContactPoint& point
   const V most = hn::Set(d, std::numeric_limits<double>::max());
   V squares[kParts];
   V least = most;
-  for (std::size_t part = 0; part < kParts; ++part) {
+  for (std::size_t part = 0; part < old.parts; ++part) {
     const Three away = lanes::difference(old.on_a_m[part], on_a);
     const auto alike = hn::Ge(lanes::dot(old.normal[part], normal), hn::Set(d, kLike));
     squares[part] = hn::IfThenElse(alike, hn::Max(lanes::dot(away, away), old.barrier[part]), most);
@@ -70,13 +71,13 @@ HWY_INLINE std::size_t take_nearest(Doubles d, const solver::ContactPoint& point
   least = hn::MinOfLanes(d, least);
   if (!(hn::GetLane(least) < square_m2)) return kForcesOfPair;
   std::size_t nearest = 0;
-  for (std::size_t part = 0; part < kParts; ++part) {
+  for (std::size_t part = 0; part < old.parts; ++part) {
     const std::intptr_t lane = hn::FindFirstTrue(d, hn::Eq(squares[part], least));
     if (lane < 0) continue;
     nearest = part * kLanes + static_cast<std::size_t>(lane);
     break;
   }
-  for (std::size_t part = 0; part < kParts; ++part) {
+  for (std::size_t part = 0; part < old.parts; ++part) {
     const auto here = hn::Eq(hn::Iota(d, static_cast<double>(part * kLanes)), hn::Set(d, static_cast<double>(nearest)));
     old.barrier[part] = hn::IfThenElse(here, most, old.barrier[part]);
   }

@@ -192,7 +192,7 @@ TEST(FrameCode, RefusesWhatNoWriterMakes) {
       {frame_of(std::string({0, 1, 3, 1, 0}) + pose + std::string({0, 0, 0, 1, 3, 2}) + std::string(20, '\0')),
        "contacts[0] names a row that is not there"},
       {frame_of(std::string({0, 1, 3, 1, 0}) + pose + std::string({0, 0, 0, 1, 3, 3}) + std::string(20, '\0')),
-       "contacts[0] has level 0 and 0 points, must be at most 7 and 1 to 4"}};
+       "contacts[0] has level 0 and 0 points, must be at most 7 and 1 to 8"}};
   for (const auto& [bytes, message] : refusals) {
     const bool contacts = message.starts_with("contacts");
     ByteReader reader(bytes);

@@ -75,13 +75,21 @@ TEST(PointList, EveryDirectionHasItsShare) {
   for (int i = 0; i < 6; ++i) list.add(found(Vec3(i, i % 2, 0), -0.01, static_cast<std::uint64_t>(i)));
   list.add(found(Vec3(2, 0, 0), 0.001, 9, Vec3::UnitX()));
   ManifoldPoints set = list.choose(0.01);
-  ASSERT_EQ(set.count, 4U);
-  EXPECT_EQ(set.point[3].normal, Vec3::UnitX());
-  list.add(found(Vec3(2, 3, 0), 0.001, 10, Vec3::UnitX()));
-  list.add(found(Vec3(2, 4, 0), 0.001, 11, Vec3::UnitX()));
+  ASSERT_EQ(set.count, 5U) << "four hold in a direction";
+  EXPECT_EQ(set.point[4].normal, Vec3::UnitX());
+  const auto of = [&](const Vec3& normal) {
+    return std::ranges::count_if(set.all(), [&](const ManifoldPoint& p) { return p.normal == normal; });
+  };
+  for (int i = 1; i < 4; ++i) list.add(found(Vec3(2, 3 * (i % 2), 3 * (i / 2)), 0.001, 10, Vec3::UnitX()));
   set = list.choose(0.01);
-  ASSERT_EQ(set.count, 4U);
-  EXPECT_EQ(std::ranges::count_if(set.all(), [](const ManifoldPoint& p) { return p.normal == Vec3::UnitX(); }), 2);
+  ASSERT_EQ(set.count, 8U);
+  EXPECT_EQ(of(Vec3::UnitX()), 4);
+  for (int i = 0; i < 4; ++i) list.add(found(Vec3(3 * (i % 2), 3, 3 * (i / 2)), 0.002, 20, Vec3::UnitY()));
+  set = list.choose(0.01);
+  ASSERT_EQ(set.count, 8U);
+  EXPECT_EQ(of(Vec3::UnitZ()), 3);
+  EXPECT_EQ(of(Vec3::UnitX()), 3);
+  EXPECT_EQ(of(Vec3::UnitY()), 2);
 }
 
 TEST(PointList, ACornerBeneathTwoFacesLeavesByTheNearerOneButInAGroove) {

@@ -266,14 +266,15 @@ TEST(PolygonPoints, AGrooveHoldsFromBothSides) {
     // The gap is measured along the slanted faces.
     const Vec3 offset = bottom + Vec3(0, 0.2, edge_m + gap * std::sqrt(2));
     const ManifoldPoints set = manifold_points(*groove, *plinth, turned(kPi / 4, Vec3::UnitY()), offset);
-    ASSERT_EQ(set.count, 4U) << gap;
-    int left = 0;
+    ASSERT_GE(set.count, 6U) << gap;
+    std::size_t left = 0;
     for (const ManifoldPoint& p : set.all()) {
       EXPECT_NEAR(p.gap_m, gap, 1e-7);
       EXPECT_NEAR(p.normal.z(), edge_m, 1e-6);
       if (p.normal.x() > 0) ++left;
     }
-    EXPECT_EQ(left, 2);
+    EXPECT_GE(left, 2U);
+    EXPECT_GE(set.count - left, 2U);
   }
 }
 

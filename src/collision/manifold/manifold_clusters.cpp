@@ -137,12 +137,6 @@ void merge_nearest(ClusterState& state) {
   join_clusters(state, static_cast<std::size_t>(firsts[second]), second);
 }
 
-// The manifold of a state.
-void fit(ClusterState& state) {
-  for (std::size_t c = 0; c < state.count; ++c) update_mean(state, c);
-  while (state.count > kMaxManifoldPoints) merge_nearest(state);
-}
-
 // to += of, four floats.
 HWY_INLINE void add_row(const float* of, float* to) {
   const hn::CappedTag<float, 4> d;
@@ -209,7 +203,6 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace poise::collision {
 HWY_EXPORT(add);
-HWY_EXPORT(fit);
 
 void update_mean(ClusterState& state, std::size_t cluster) {
   ClusterState::Sums& sums = state.sums[cluster];
@@ -245,9 +238,9 @@ void ManifoldClusters::add(const NodeContacts& contacts, std::size_t count) {
 }
 
 void ManifoldClusters::write(ManifoldPoints& into) {
-  HWY_DYNAMIC_DISPATCH(fit)(state_);
   into.count = state_.count;
   for (std::size_t c = 0; c < state_.count; ++c) {
+    update_mean(state_, c);
     const auto at = [c](const std::array<float, ClusterState::kMost>(&of)[3]) {
       return Vec3(static_cast<double>(of[0][c]), static_cast<double>(of[1][c]), static_cast<double>(of[2][c]));
     };

@@ -21,7 +21,7 @@ struct NodeContacts {
 
 /// Clusters in progress, plain data for the kernels.
 struct ClusterState {
-  static constexpr std::size_t kMost = 2 * kMaxManifoldPoints;
+  static constexpr std::size_t kMost = kMaxManifoldPoints;
   /// Rows of four floats, added at once.
   struct Sums {
     alignas(16) float normal_m[4];      ///< sum of w n, and of w
@@ -48,7 +48,7 @@ class ManifoldClusters {
   }
   /// Adds the first `count` contacts, 1 to 8.
   void add(const NodeContacts& contacts, std::size_t count);
-  /// The manifold: at most kMaxManifoldPoints; the nearest clusters are merged until they fit.
+  /// The manifold: a point for each cluster.
   void write(ManifoldPoints& into);
 
  private:

@@ -10,7 +10,7 @@
 namespace poise::collision {
 
 /// Largest number of contact points of a manifold.
-inline constexpr std::size_t kMaxManifoldPoints = 4;
+inline constexpr std::size_t kMaxManifoldPoints = 8;
 
 /// A contact point of a manifold, in the frame of a.
 struct ManifoldPoint {
