@@ -169,15 +169,15 @@ void fill_manifold(const ManifoldsInput& input, std::size_t i, const PairPoints&
 // Where the points of pairs go, and the worker that makes them.
 struct PointsTo {
   PointCache& cache;
-  SlotRooms& rooms;
+  SlotAllocator& slots;
   int worker;
 };
 
 // A slot that has room for the points of a pair: its own, or another.
 void find_slot(PairPoints& made, const PointsTo& to) {
-  if (made.slot != kNoSlot && PointCache::size_of(made.slot) >= PointCache::size_for(made.point_count)) return;
-  if (made.slot != kNoSlot) to.rooms.give_back(made.slot, to.worker);
-  made.slot = to.rooms.take(to.cache, made.point_count, to.worker);
+  if (made.slot != kNoSlot && PointCache::room_of(made.slot) >= made.point_count) return;
+  if (made.slot != kNoSlot) to.slots.give_back(made.slot, to.worker);
+  made.slot = to.slots.take(to.cache, made.point_count, to.worker);
 }
 
 // Points of one pair, and whether the solver takes them: one of them is nearer than the margin.
@@ -245,11 +245,11 @@ void make_points(const ManifoldsInput& input, PointCache& cache, Manifolds& mani
   parallel::reserve_anew(manifolds.of_chunk, table.capacity());
   manifolds.of_chunk.resize(table.size());
   // Any pair may gain points in any frame.
-  manifolds.rooms.begin(cache, table.size(), table.capacity(), executor);
+  manifolds.slots.begin(cache, table.size(), table.capacity(), executor);
   const bool distant = table.size() > parallel::kPairsAtHand;
   parallel::Tickets places;
   parallel::parallel_for(executor, table.chunks(), kChunkGrain, [&](std::size_t first, std::size_t past, int worker) {
-    const PointsTo to{cache, manifolds.rooms, worker};
+    const PointsTo to{cache, manifolds.slots, worker};
     for (std::size_t chunk = first; chunk < past; ++chunk) {
       SolvedCount& count = manifolds.solved_of_chunk[chunk];
       ChunkManifolds of_chunk;
@@ -264,7 +264,7 @@ void make_points(const ManifoldsInput& input, PointCache& cache, Manifolds& mani
       std::copy_n(of_chunk.begin(), count.solved, manifolds.of_chunk.begin() + count.begin);
     }
   });
-  manifolds.rooms.end(cache);
+  manifolds.slots.end(cache);
 }
 
 // The manifolds one after another in canonical order, and their colours.

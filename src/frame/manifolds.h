@@ -55,7 +55,7 @@ struct Manifolds {
 
   // Scratch: the manifolds of each chunk side by side, and slots for points.
   parallel::UnsetVector<solver::Manifold> of_chunk;
-  SlotRooms rooms;
+  SlotAllocator slots;
 };
 
 /// Writes the points of the pairs into `points`, and lists the manifolds.

@@ -20,7 +20,7 @@ inline constexpr std::uint32_t kColors = 64;
 inline constexpr std::uint32_t kGroundColors = 8;
 inline constexpr std::uint32_t kRanks = 8;
 
-/// The rank of a row with so many contact points: below kRanks, and the more the higher, but for the last.
+/// The rank of a row with so many contact points: as many, or the last one.
 inline std::uint8_t rank_of(std::uint8_t point_count) {
   constexpr std::uint8_t kLast = kRanks - 1;
   return point_count < kLast ? point_count : kLast;

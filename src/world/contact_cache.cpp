@@ -12,7 +12,7 @@ constexpr std::size_t kSlotGrain = 1024;
 
 }  // namespace
 
-void SlotRooms::begin(PointCache& cache, std::size_t pairs, std::size_t most_pairs, parallel::Executor& executor) {
+void SlotAllocator::begin(PointCache& cache, std::size_t pairs, std::size_t most_pairs, parallel::Executor& executor) {
   const auto workers = static_cast<std::size_t>(executor.concurrency());
   if (rooms_.size() < workers) rooms_.resize(workers);
   // No size has more slots than there were pairs at once, and those that workers have left over.
@@ -39,7 +39,7 @@ void SlotRooms::begin(PointCache& cache, std::size_t pairs, std::size_t most_pai
   added_.reset();
   points_before_ = cache.points.size();
   std::size_t left_over = 0;
-  for (std::size_t size = 0; size < PointCache::kSizes; ++size) left_over += kBlock * PointCache::points_of_size(size);
+  for (std::size_t size = 0; size < PointCache::kSizes; ++size) left_over += kBlock * PointCache::kPointsOfSize[size];
   const std::size_t before_pairs = points_before_ + workers * left_over;
   const std::size_t most = before_pairs + kPointsOfPair * pairs;
   if (most > cache.points.capacity()) {
@@ -52,14 +52,14 @@ void SlotRooms::begin(PointCache& cache, std::size_t pairs, std::size_t most_pai
   cache.forces.resize(most);
 }
 
-std::uint32_t SlotRooms::take(const PointCache& cache, std::size_t point_count, int worker) {
+std::uint32_t SlotAllocator::take(const PointCache& cache, std::size_t point_count, int worker) {
   const std::size_t size = PointCache::size_for(point_count);
   Room& room = rooms_[static_cast<std::size_t>(worker)];
   if (room.count[size] == 0) refill(cache, size, room);
   return room.slots[size][--room.count[size]];
 }
 
-void SlotRooms::refill(const PointCache& cache, std::size_t size, Room& room) {
+void SlotAllocator::refill(const PointCache& cache, std::size_t size, Room& room) {
   const std::vector<std::uint32_t>& free = cache.free[size];
   const std::size_t first = taken_[size].take(kBlock);
   if (first < free.size()) {
@@ -68,7 +68,7 @@ void SlotRooms::refill(const PointCache& cache, std::size_t size, Room& room) {
     room.count[size] = static_cast<std::uint32_t>(count);
     return;
   }
-  const std::size_t points = PointCache::points_of_size(size);
+  const std::size_t points = PointCache::kPointsOfSize[size];
   const std::size_t begin = points_before_ + added_.take(kBlock * points);
   // The lowest is handed out first.
   for (std::size_t k = 0; k < kBlock; ++k)
@@ -76,7 +76,7 @@ void SlotRooms::refill(const PointCache& cache, std::size_t size, Room& room) {
   room.count[size] = kBlock;
 }
 
-void SlotRooms::end(PointCache& cache) {
+void SlotAllocator::end(PointCache& cache) {
   for (std::size_t size = 0; size < PointCache::kSizes; ++size) {
     std::vector<std::uint32_t>& free = cache.free[size];
     free.resize(free.size() - std::min(free.size(), taken_[size].next()));

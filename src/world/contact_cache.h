@@ -24,21 +24,27 @@ inline constexpr std::size_t kPointsOfPair = kForcesOfPair + 1;
 inline constexpr std::uint32_t kNoSlot = 0xffffffffU;
 
 /// Contact points and their forces, those of a pair one after another in a slot. The force of a point has its index.
-/// Slots have sizes: room for the point of the impact and manifolds of 1, 2, 4 or 8 points. A pair keeps its slot for
-/// as long as it has points and these have room there. Invariant: a slot is either released or one pair's.
+/// A pair keeps its slot for as long as it has points and these have room there. Invariant: a slot is either released
+/// or one pair's.
 struct PointCache {
-  static constexpr std::size_t kSizes = std::bit_width(collision::kMaxManifoldPoints);
+  /// Points that slots have room for: that of the impact and those of a manifold.
+  static constexpr std::array<std::uint8_t, 6> kPointsOfSize = {2, 3, 4, 5, 7, 9};
+  static constexpr std::size_t kSizes = kPointsOfSize.size();
+  static_assert(kPointsOfSize.back() == kPointsOfPair);
 
   parallel::UnsetVector<solver::ContactPoint> points;
   parallel::UnsetVector<solver::ContactForce> forces;
   std::vector<std::uint32_t> released;                  ///< slots of any size, not yet among the free ones
   std::array<std::vector<std::uint32_t>, kSizes> free;  ///< one a size
 
-  /// The size that slots for so many points have: 0 to kSizes - 1.
+  /// The size of slots for so many points, at most kPointsOfPair.
   [[nodiscard]] static std::size_t size_for(std::size_t point_count) {
-    return point_count > 2 ? static_cast<std::size_t>(std::bit_width(point_count - 2)) : 0;
+    std::size_t size = 0;
+    while (kPointsOfSize[size] < point_count) ++size;
+    return size;
   }
-  [[nodiscard]] static std::size_t points_of_size(std::size_t size) { return (std::size_t{1} << size) + 1; }
+  [[nodiscard]] static std::size_t room_of(std::uint32_t slot) { return kPointsOfSize[size_of(slot)]; }
+  /// The slot whose points begin there, of the first 2^29 (48 GB).
   [[nodiscard]] static std::uint32_t slot_at(std::size_t begin, std::size_t size) {
     return static_cast<std::uint32_t>(begin << kSizeBits | size);
   }
@@ -66,7 +72,7 @@ struct PointCache {
 
 /// Hands out slots of a point cache to the workers of a frame. Which one a pair gets depends on threads and is not part
 /// of any result. Invariant: buffers only grow.
-class SlotRooms {
+class SlotAllocator {
  public:
   /// Memory for what `pairs` pairs may need at most, or where that has to grow `most_pairs`, at least as many; pages
   /// that are never used stay untouched. Released slots are free from here on.

@@ -68,7 +68,7 @@ TEST(PointCache, PairsWithPointsAndNoOthersHaveASlotAndNoTwoTheSame) {
       ASSERT_EQ(pair.slot != simulation::kNoSlot, pair.point_count > 0);
       ++(pair.point_count > 0 ? with_points : without);
       if (pair.point_count == 0) continue;
-      const std::size_t room = PointCache::points_of_size(PointCache::size_of(pair.slot));
+      const std::size_t room = PointCache::room_of(pair.slot);
       ASSERT_LE(pair.point_count, room);
       moved += room > 2 ? 1 : 0;
       slots.push_back(pair.slot);
@@ -78,7 +78,7 @@ TEST(PointCache, PairsWithPointsAndNoOthersHaveASlotAndNoTwoTheSame) {
     std::size_t end = 0;
     for (const std::uint32_t slot : slots) {
       ASSERT_EQ(PointCache::begin(slot), end);
-      end += PointCache::points_of_size(PointCache::size_of(slot));
+      end += PointCache::room_of(slot);
     }
     ASSERT_EQ(end, cache.points.points.size());
     ASSERT_EQ(end, cache.points.forces.size());

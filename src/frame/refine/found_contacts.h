@@ -2,7 +2,6 @@
 #pragma once
 
 #include <algorithm>
-#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -105,9 +104,9 @@ class FoundContacts {
   static constexpr std::uint32_t kFirst = 1;
   // Entries, and places for points, that a worker takes at once; chosen.
   static constexpr std::uint32_t kBlock = 16, kPointBlock = 64;
-  // Of a pair: 4 that are too few, and then as many as there can be; and what is left over of blocks, less than a place
-  // in eight.
-  static constexpr std::size_t kMostPlaces = (3 * collision::kMaxManifoldPoints / 2) * 8 / 7 + 1;
+  // Of a pair: some that are one too few, and then as many as there can be; and what is left over of blocks, less than
+  // a place in eight.
+  static constexpr std::size_t kMostPlaces = (2 * collision::kMaxManifoldPoints - 1) * 8 / 7 + 1;
   static_assert(kPointBlock >= 8 * collision::kMaxManifoldPoints);
   // What a worker has taken and not given to pairs yet. Workers write into no cache line of another.
   struct alignas(64) Room {
@@ -144,7 +143,7 @@ class FoundContacts {
     if (count > into.point_room) {
       Room& room = rooms_[static_cast<std::size_t>(worker)];
       constexpr std::uint8_t kMost = collision::kMaxManifoldPoints;
-      const std::uint8_t wanted = into.point_room == 0 ? std::bit_ceil(count) : kMost;
+      const std::uint8_t wanted = into.point_room == 0 ? count : kMost;
       if (room.next_point + wanted > room.past_points) {
         room.next_point = static_cast<std::uint32_t>(points_taken_.take(kPointBlock));
         room.past_points = room.next_point + kPointBlock;
