@@ -9,7 +9,7 @@ namespace poise::solver {
 struct Edge {
   std::uint32_t a = 0, b = 0;
   bool dynamic_a = true, dynamic_b = true;
-  std::uint8_t rank = 0;  ///< rank_of(...)
+  std::uint8_t rank = 0;  ///< below kRanks: rank_of() of its contact points
   [[nodiscard]] bool grounded() const { return !(dynamic_a && dynamic_b); }
 };
 

@@ -24,8 +24,8 @@ inline constexpr std::size_t kPointsOfPair = kForcesOfPair + 1;
 inline constexpr std::uint32_t kNoSlot = 0xffffffffU;
 
 /// Contact points and their forces, those of a pair one after another in a slot. The force of a point has its index.
-/// A pair keeps its slot for as long as it has points and these have room there. Invariant: a slot is either released
-/// or one pair's.
+/// A pair keeps its slot for as long as it has points and these have room there. Invariant: a slot is free,
+/// released, or one pair's.
 struct PointCache {
   /// Points that slots have room for: that of the impact and those of a manifold.
   static constexpr std::array<std::uint8_t, 6> kPointsOfSize = {2, 3, 4, 5, 7, 9};
