@@ -251,6 +251,7 @@ void publish_level(const PairFrame& frame, const Mat3& rotation_a, const LevelPr
   pair.point_entries = points.entries;
   make_contact(frame, progress.sums, rotation_a, found.contact);
   pair.apart = !found.contact.present;
+  found.gaps_only = progress.sums.gaps_only && !pair.apart;
   // Certain penetration is an upper bound of the separation, so what is farther away leaves the nearest surfaces in.
   const bool narrows = frame.fitted && !pair.apart;
   found.reach_m = narrows ? narrowed_reach_m(frame, found.contact.certain_separation_m) : frame.margin_m;

@@ -29,6 +29,8 @@ struct PairLevel {
   [[nodiscard]] bool refinable() const { return !apart && level < deepest; }
   [[nodiscard]] bool next_is_polygons() const { return polygons && level + 1 == deepest; }
   [[nodiscard]] bool by_polygons() const { return polygons && level == deepest; }
+  /// Is the level after the next one of the trees too?
+  [[nodiscard]] bool passes_next() const { return level + (polygons ? 2 : 1) < deepest; }
 };
 
 /// The contact that this level found, if any. Separate from PairLevel because most pairs of a calm scene have none.
@@ -36,6 +38,7 @@ struct LevelContact {
   PairContact contact;             ///< used for impacts
   ManifoldPoints manifold_points;  ///< for resting contact
   bool points_due = false;         ///< manifold points are not made yet
+  bool gaps_only = false;          ///< of `contact` no more is known than separations: the next level follows at once
   double reach_m = 0;              ///< all that is nearer than this is in the front of the level
   bool narrowed = false;           ///< and much that is farther away
 };

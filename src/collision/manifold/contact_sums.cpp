@@ -9,12 +9,15 @@
 namespace poise::collision {
 namespace {
 
+void finish_gaps(const FittedSums& sums, PairContact& contact) {
+  contact.certain_separation_m = sums.cores_m;
+  // Certain penetration counts whatever the fitted spheres say.
+  contact.estimated_separation_m = std::min(sums.fitted_m, sums.cores_m);
+  contact.present = true;
+}
+
 /// One impulse along the mean direction at the mean point (DO eq. 1).
 void finish_fitted(const PairFrame& frame, const FittedSums& sums, const Mat3& rotation_a, PairContact& contact) {
-  if (!(sums.weight > 0)) {
-    contact = {};
-    return;
-  }
   Vec3 direction = sums.direction;
   if (direction.isZero(0)) direction = frame.with_plane() ? Vec3(-frame.plane_normal) : frame.offset_m;
   if (direction.isZero(0)) direction = Vec3::UnitZ();
@@ -22,11 +25,8 @@ void finish_fitted(const PairFrame& frame, const FittedSums& sums, const Mat3& r
   contact.arm_m.noalias() = rotation_a * (sums.point_m / sums.weight);
   contact.moment_a_m = contact.arm_m.cross(contact.direction);
   contact.moment_b_m = (contact.arm_m - rotation_a * frame.offset_m).cross(contact.direction);
-  contact.certain_separation_m = sums.cores_m;
-  // Certain penetration counts whatever the fitted spheres say.
-  contact.estimated_separation_m = std::min(sums.fitted_m, sums.cores_m);
   contact.spheres_m = 0;
-  contact.present = true;
+  finish_gaps(sums, contact);
 }
 
 void add_weighted(WrenchSum& sum, double weight, const SphereContact& contact) {
@@ -141,10 +141,11 @@ void add_to_sums(const PairFrame& frame, std::span<const FrontEntry> entries, Co
 
 void add_close(const PairFrame& frame, std::span<const FrontEntry> near, std::span<const FrontEntry> close,
                ContactSums& sums) {
+  const auto add = sums.gaps_only ? add_least_gaps : add_fitted;
   if (counts_near(close.size(), sums)) {
-    add_fitted(frame, near, sums.fitted_near);
+    add(frame, near, sums.fitted_near);
   } else {
-    add_fitted(frame, close, sums.fitted);
+    add(frame, close, sums.fitted);
   }
 }
 
@@ -174,7 +175,14 @@ void node_contacts(const PairFrame& frame, std::span<const FrontEntry> entries, 
 
 void make_contact(const PairFrame& frame, const ContactSums& sums, const Mat3& rotation_a, PairContact& contact) {
   if (frame.fitted) {
-    finish_fitted(frame, sums.fitted.weight > 0 ? sums.fitted : sums.fitted_near, rotation_a, contact);
+    const FittedSums& sum = sums.fitted.weight > 0 ? sums.fitted : sums.fitted_near;
+    if (!(sum.weight > 0)) {
+      contact = {};
+    } else if (sums.gaps_only) {
+      finish_gaps(sum, contact);
+    } else {
+      finish_fitted(frame, sum, rotation_a, contact);
+    }
     return;
   }
   const WrenchSum& sum = sums.touching.weight_m > 0 ? sums.touching : sums.near;

@@ -48,6 +48,7 @@ struct ContactSums {
   double estimated_separation_m = 1e300;  ///< least gap plus mean protrusion of both nodes
   double certain_separation_m = 1e300;    ///< least gap plus largest protrusion of both nodes
   FittedSums fitted, fitted_near;
+  bool gaps_only = false;  ///< with PairFrame::fitted: a deeper level follows at once, which reads no more
 };
 
 void add_to_sums(const PairFrame& frame, std::span<const FrontEntry> entries, ContactSums& sums);
@@ -74,7 +75,7 @@ struct PairContact {
 /// spheres with their estimated separation. Lanes without an entry say nothing.
 void node_contacts(const PairFrame& frame, std::span<const FrontEntry> entries, NodeContacts& into);
 
-/// Made in its place: a copy of what has just been written in small parts waits for them.
+/// Of sums of gaps alone, no more of the contact than its separations and whether it is present. Made in its place: a copy of what has just been written in small parts waits for them.
 void make_contact(const PairFrame& frame, const ContactSums& sums, const Mat3& rotation_a, PairContact& contact);
 
 }  // namespace poise::collision

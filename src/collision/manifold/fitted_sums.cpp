@@ -248,6 +248,24 @@ void add(const PairFrame& frame, std::span<const FrontEntry> entries, FittedSums
   sums.cores_m = std::min(sums.cores_m, least(lanes.cores));
 }
 
+// Lanes of entries beyond the last hold copies of it, which change no least value.
+void least_gaps(const PairFrame& frame, std::span<const FrontEntry> entries, FittedSums& sums) {
+  const hn::CappedTag<float, kLanes> d;
+  auto gaps = hn::Set(d, kBeyond);
+  auto cores = gaps;
+  for (std::size_t begin = 0; begin < entries.size(); begin += kLanes) {
+    const auto block = entries.subspan(begin, std::min(kLanes, entries.size() - begin));
+    for (std::size_t k = 0; k < kLanes; k += hn::Lanes(d)) {
+      const auto c = contacts_of(d, frame, block, k);
+      gaps = hn::Min(gaps, hn::Sub(c.distance, hn::Add(c.radius_a, c.radius_b)));
+      cores = hn::Min(cores, hn::Sub(c.distance, c.core));
+    }
+  }
+  sums.fitted_m = std::min(sums.fitted_m, static_cast<double>(hn::GetLane(hn::MinOfLanes(d, gaps))));
+  sums.cores_m = std::min(sums.cores_m, static_cast<double>(hn::GetLane(hn::MinOfLanes(d, cores))));
+  sums.weight += static_cast<double>(entries.size());
+}
+
 }  // namespace poise::collision::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
@@ -256,9 +274,14 @@ namespace poise::collision {
 
 HWY_EXPORT(add);
 HWY_EXPORT(contacts);
+HWY_EXPORT(least_gaps);
 
 void add_fitted(const PairFrame& frame, std::span<const FrontEntry> entries, FittedSums& sums) {
   if (!entries.empty()) HWY_DYNAMIC_DISPATCH(add)(frame, entries, sums);
+}
+
+void add_least_gaps(const PairFrame& frame, std::span<const FrontEntry> entries, FittedSums& sums) {
+  if (!entries.empty()) HWY_DYNAMIC_DISPATCH(least_gaps)(frame, entries, sums);
 }
 
 void fitted_contacts(const PairFrame& frame, std::span<const FrontEntry> entries, NodeContacts& into) {

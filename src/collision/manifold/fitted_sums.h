@@ -26,6 +26,10 @@ struct FittedSums {
 /// Single precision in blocks of eight, the same bits on any instruction set. For two trees or a tree and a plane.
 void add_fitted(const PairFrame& frame, std::span<const FrontEntry> entries, FittedSums& sums);
 
+/// The least gaps alone, which are all that the next level reads of one that it follows at once; `weight` counts entries
+/// then.
+void add_least_gaps(const PairFrame& frame, std::span<const FrontEntry> entries, FittedSums& sums);
+
 /// The contacts of one to eight entries; the lanes of entries beyond them hold copies of the last. The same bits
 /// likewise.
 void fitted_contacts(const PairFrame& frame, std::span<const FrontEntry> entries, NodeContacts& into);

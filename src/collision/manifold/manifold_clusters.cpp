@@ -99,6 +99,67 @@ HWY_INLINE void find_nearest(const NodeContacts& contacts, const ClusterState& s
   }
 }
 
+// Means of so many clusters at once.
+constexpr std::size_t kMeans = 4;
+
+// Means of the clusters whose weight is more than `growth` times the one at which they were made last. A cluster whose
+// directions add up to none keeps its own.
+#if HWY_TARGET == HWY_SCALAR
+void update_means(float growth, ClusterState& state) {
+  for (std::size_t c = 0; c < state.count; ++c) {
+    if (state.sums[c].normal_m[3] > growth * state.mean_weight_m[c]) update_mean(state, c);
+  }
+}
+#else
+// Four rows of four numbers, by columns.
+template <class V>
+struct Columns {
+  V x, y, z, w;
+};
+HWY_INLINE auto columns_of(const float* first, const float* second, const float* third, const float* fourth) {
+  const hn::Full128<float> d;
+  const auto a = hn::Load(d, first);
+  const auto b = hn::Load(d, second);
+  const auto c = hn::Load(d, third);
+  const auto e = hn::Load(d, fourth);
+  const auto xy01 = hn::InterleaveLower(d, a, b);
+  const auto xy23 = hn::InterleaveLower(d, c, e);
+  const auto zw01 = hn::InterleaveUpper(d, a, b);
+  const auto zw23 = hn::InterleaveUpper(d, c, e);
+  return Columns<hn::Vec<hn::Full128<float>>>{
+      hn::ConcatLowerLower(d, xy23, xy01), hn::ConcatUpperUpper(d, xy23, xy01), hn::ConcatLowerLower(d, zw23, zw01),
+      hn::ConcatUpperUpper(d, zw23, zw01)};
+}
+
+void update_means(float growth, ClusterState& state) {
+  const hn::Full128<float> d;
+  static_assert(kMeans == hn::MaxLanes(d));
+  for (std::size_t c = 0; c < state.count; c += kMeans) {
+    // Beyond the last one, that one again.
+    const auto sums_of = [&](std::size_t k) -> const ClusterState::Sums& {
+      return state.sums[std::min(c + k, state.count - std::size_t{1})];
+    };
+    const auto n = columns_of(sums_of(0).normal_m, sums_of(1).normal_m, sums_of(2).normal_m, sums_of(3).normal_m);
+    const auto mean_weight = hn::LoadU(d, state.mean_weight_m.data() + c);
+    const auto grown = hn::Gt(n.w, hn::Mul(hn::Set(d, growth), mean_weight));
+    if (hn::AllFalse(d, grown)) continue;
+    const auto p = columns_of(sums_of(0).point_m2, sums_of(1).point_m2, sums_of(2).point_m2, sums_of(3).point_m2);
+    const auto length = hn::Sqrt(hn::Add(hn::Add(hn::Mul(n.x, n.x), hn::Mul(n.y, n.y)), hn::Mul(n.z, n.z)));
+    const auto turned = hn::And(grown, hn::Gt(length, hn::Zero(d)));
+    const auto renew = [&](auto where, auto value, std::array<float, kLanes>& of) HWY_ATTR {
+      hn::StoreU(hn::IfThenElse(where, value, hn::LoadU(d, of.data() + c)), d, of.data() + c);
+    };
+    renew(grown, n.w, state.mean_weight_m);
+    renew(turned, hn::Div(n.x, length), state.direction[0]);
+    renew(turned, hn::Div(n.y, length), state.direction[1]);
+    renew(turned, hn::Div(n.z, length), state.direction[2]);
+    renew(grown, hn::Div(p.x, n.w), state.center_m[0]);
+    renew(grown, hn::Div(p.y, n.w), state.center_m[1]);
+    renew(grown, hn::Div(p.z, n.w), state.center_m[2]);
+  }
+}
+#endif
+
 // The two clusters that are nearest to each other, the first such two in order.
 void merge_nearest(ClusterState& state) {
   static_assert(ClusterState::kMost == kLanes);
@@ -160,7 +221,7 @@ void begin(const NodeContacts& contacts, const WeightedContacts& weighted, std::
   std::copy_n(weighted.point_m2 + 4 * lane, 4, sums.point_m2);
   sums.gap_m = contacts.gap_m[lane];
   sums.certain_separation_m = contacts.certain_separation_m[lane];
-  sums.mean_weight_m = weighted.weight_m[lane];
+  state.mean_weight_m[cluster] = weighted.weight_m[lane];
   for (std::size_t axis = 0; axis < 3; ++axis) {
     state.direction[axis][cluster] = contacts.normal[axis][lane];
     state.center_m[axis][cluster] = contacts.point_m[axis][lane];
@@ -192,9 +253,43 @@ void add(const NodeContacts& contacts, std::size_t count, ClusterState& state) {
     begin(contacts, weighted, static_cast<std::size_t>(std::countr_zero(left)), state);
     left &= left - 1;
   }
-  for (std::size_t c = 0; c < state.count; ++c) {
-    if (state.sums[c].normal_m[3] > kGrowth * state.sums[c].mean_weight_m) update_mean(state, c);
+  update_means(kGrowth, state);
+}
+
+// The points of all clusters, by their means.
+void write(const ClusterState& state, ManifoldPoints& into) {
+  const hn::CappedTag<double, kMeans> d;
+  const hn::Rebind<float, decltype(d)> narrow;
+  into.count = state.count;
+  for (std::size_t c = 0; c < state.count; c += hn::Lanes(d)) {
+    const auto wide = [&](const std::array<float, kLanes>& of)
+                          HWY_ATTR { return hn::PromoteTo(d, hn::LoadU(narrow, of.data() + c)); };
+    const auto x = wide(state.direction[0]);
+    const auto y = wide(state.direction[1]);
+    const auto z = wide(state.direction[2]);
+    // The sum runs in the order of Eigen's norm.
+    const auto square = hn::Add(hn::Add(hn::Mul(x, x), hn::Mul(y, y)), hn::Mul(z, z));
+    const auto length = hn::IfThenElse(hn::Gt(square, hn::Zero(d)), hn::Sqrt(square), hn::Set(d, 1.0));
+    alignas(64) double normal[3][kMeans];
+    hn::Store(hn::Div(x, length), d, normal[0]);
+    hn::Store(hn::Div(y, length), d, normal[1]);
+    hn::Store(hn::Div(z, length), d, normal[2]);
+    for (std::size_t k = 0; k < std::min<std::size_t>(hn::Lanes(d), state.count - c); ++k) {
+      const auto center = [&](std::size_t axis) { return static_cast<double>(state.center_m[axis][c + k]); };
+      const ClusterState::Sums& sums = state.sums[c + k];
+      const double gap_m = static_cast<double>(sums.gap_m);
+      ManifoldPoint& point = into.point[c + k];
+      point.normal = {normal[0][k], normal[1][k], normal[2][k]};
+      point.point_m = {center(0), center(1), center(2)};
+      point.gap_m = gap_m;
+      point.certain_separation_m = std::max(gap_m, static_cast<double>(sums.certain_separation_m));
+    }
   }
+}
+
+void finish(ClusterState& state, ManifoldPoints& into) {
+  update_means(0, state);
+  write(state, into);
 }
 
 }  // namespace poise::collision::HWY_NAMESPACE
@@ -203,12 +298,13 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace poise::collision {
 HWY_EXPORT(add);
+HWY_EXPORT(finish);
 
 void update_mean(ClusterState& state, std::size_t cluster) {
   ClusterState::Sums& sums = state.sums[cluster];
   const float* const n = sums.normal_m;
   const float length = std::sqrt((n[0] * n[0] + n[1] * n[1]) + n[2] * n[2]);
-  sums.mean_weight_m = n[3];
+  state.mean_weight_m[cluster] = n[3];
   for (std::size_t axis = 0; axis < 3; ++axis) {
     if (length > 0) state.direction[axis][cluster] = n[axis] / length;
     state.center_m[axis][cluster] = sums.point_m2[axis] / n[3];
@@ -225,6 +321,7 @@ void join_clusters(ClusterState& state, std::size_t first, std::size_t second) {
   update_mean(state, first);
   for (std::size_t c = second; c + 1 < state.count; ++c) {
     state.sums[c] = state.sums[c + 1];
+    state.mean_weight_m[c] = state.mean_weight_m[c + 1];
     for (std::size_t axis = 0; axis < 3; ++axis) {
       state.direction[axis][c] = state.direction[axis][c + 1];
       state.center_m[axis][c] = state.center_m[axis][c + 1];
@@ -237,18 +334,7 @@ void ManifoldClusters::add(const NodeContacts& contacts, std::size_t count) {
   HWY_DYNAMIC_DISPATCH(add)(contacts, count, state_);
 }
 
-void ManifoldClusters::write(ManifoldPoints& into) {
-  into.count = state_.count;
-  for (std::size_t c = 0; c < state_.count; ++c) {
-    update_mean(state_, c);
-    const auto at = [c](const std::array<float, ClusterState::kMost>(&of)[3]) {
-      return Vec3(static_cast<double>(of[0][c]), static_cast<double>(of[1][c]), static_cast<double>(of[2][c]));
-    };
-    const double gap_m = static_cast<double>(state_.sums[c].gap_m);
-    into.point[c] = {at(state_.direction).normalized(), at(state_.center_m), gap_m,
-                     std::max(gap_m, static_cast<double>(state_.sums[c].certain_separation_m))};
-  }
-}
+void ManifoldClusters::write(ManifoldPoints& into) { HWY_DYNAMIC_DISPATCH(finish)(state_, into); }
 
 }  // namespace poise::collision
 #endif

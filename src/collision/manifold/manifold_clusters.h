@@ -27,12 +27,12 @@ struct ClusterState {
     alignas(16) float normal_m[4];      ///< sum of w n, and of w
     alignas(16) float point_m2[4];      ///< sum of w p, and 0
     float gap_m, certain_separation_m;  ///< least
-    float mean_weight_m;                ///< weight at which the means were made
   };
   float reach_m, inverse_square;
   std::uint32_t count = 0;
   std::array<Sums, kMost> sums;
   std::array<float, kMost> direction[3], center_m[3];  ///< means
+  std::array<float, kMost> mean_weight_m;              ///< at which the means were made
 };
 
 /// Clusters the contacts of a front into few contact points: each contact joins the nearest cluster in position and

@@ -77,6 +77,7 @@ struct OpenRefinement {
     std::uint32_t item = scheduler::PriorityBands::kNone;  ///< in the pair table
     PairProgress progress;
     collision::LevelContact found;
+    PassedLevel passed;                  ///< while found.gaps_only
     Outcome ended = Outcome::Completed;  ///< of the last level
     bool newly_ranked = false;           ///< by this job
     bool has_cues = false;               ///< `cues` are those of the pair

@@ -222,14 +222,20 @@ class OpenRefinement::Job {
     do {
       next_level(hand, placed, frame);
     } while (hand.ended == Outcome::Completed && hand.progress.refinable() && goes_on(hand));
+    if (hand.found.gaps_only) {
+      hand.passed.complete(input.refiner(), run_.pools, placed, frame, hand.progress.level, hand.found, worker_);
+    }
     if (!hand.progress.refinable() && input.terms.contact != ContactModel::Paper) pool.release(mark);
   }
   void next_level(Hand& hand, const PosedPair& placed, collision::PairFrame& frame) {
     const collision::PairLevel before = hand.progress.level;
     const bool whole = before.next_units <= kSmallUnits && !before.next_is_polygons();
     if (!whole) batch_.before = hand.found;
+    // The level after it is so small that it has its turn at once: of one entry always, and in order whatever comes.
+    const bool passes = whole && before.passes_next() && (in_order() || (perceptual_ && before.level == 0));
+    const PassedLevel passed(before, hand.found, run_.pools[static_cast<std::size_t>(worker_)]);
     hand.ended = complete_level(run_.input.refiner(), run_.pools, placed, frame, hand.progress.level, hand.found,
-                                worker_, [&](std::uint64_t next_units) {
+                                worker_, passes ? Followed::AtOnce : Followed::No, [&](std::uint64_t next_units) {
                                   if (whole) return true;
                                   look_at_clock();
                                   return admits(next_units);
@@ -239,6 +245,7 @@ class OpenRefinement::Job {
     if (run_.log != nullptr) batch_.notes.push_back({hand.item, kind_of(hand.ended), now_});
     if (hand.ended == Outcome::Completed) {
       hand.completed = true;
+      if (hand.found.gaps_only) hand.passed = passed;
       return;
     }
     hand.progress.level = before;

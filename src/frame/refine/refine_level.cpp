@@ -14,6 +14,17 @@ collision::PairFrame frame_of(const PairRefiner& refiner, const PosedPair& posed
   return frame;
 }
 
+void PassedLevel::complete(const PairRefiner& refiner, std::span<collision::FrontPool> pools, const PosedPair& posed,
+                           collision::PairFrame& frame, collision::PairLevel& level, collision::LevelContact& found,
+                           int worker) const {
+  pools[static_cast<std::size_t>(worker)].release(mark_);
+  level = before_;
+  found.reach_m = reach_m_;
+  found.contact.estimated_separation_m = separation_m_;
+  found.narrowed = narrowed_;
+  complete_level(refiner, pools, posed, frame, level, found, worker, Followed::No, [](std::uint64_t) { return true; });
+}
+
 void make_points_due(const PairRefiner& refiner, const PosedPair& posed, const PairProgress& progress,
                      collision::LevelContact& found, std::span<const collision::FrontPool> pools) {
   if (!points_due(progress, found)) return;
@@ -30,9 +41,9 @@ void make_points_due(const PairRefiner& refiner, const PosedPair& posed, const P
 
 Outcome refine_level(const PairRefiner& refiner, const PosedPair& posed, collision::PairFrame& frame,
                      PairProgress& progress, collision::LevelContact& found, std::span<collision::FrontPool> pools,
-                     int worker) {
-  const Outcome outcome =
-      complete_level(refiner, pools, posed, frame, progress.level, found, worker, [](std::uint64_t) { return true; });
+                     int worker, Followed followed) {
+  const Outcome outcome = complete_level(refiner, pools, posed, frame, progress.level, found, worker, followed,
+                                         [](std::uint64_t) { return true; });
   if (outcome == Outcome::Full) progress.full = true;
   return outcome;
 }

@@ -87,13 +87,17 @@ bool complete_points(const PairRefiner& refiner, std::span<const collision::Fron
   return true;
 }
 
+/// Is a level followed by the next one at once? Then no more is found of it than that one reads
+/// (LevelContact::gaps_only), unless that one is of polygons.
+enum class Followed : bool { No, AtOnce };
+
 /// One whole level of a pair, in bounded pieces; `go_on(units)` is asked before each piece after the first. What the
 /// pair is known by goes on in `level` and `found`, which are its own or copies of them; `frame` is that of frame_of.
 /// The front goes into the pool of `worker`.
 template <class GoOn>
 Outcome complete_level(const PairRefiner& refiner, std::span<collision::FrontPool> pools, const PosedPair& posed,
                        collision::PairFrame& frame, collision::PairLevel& level, collision::LevelContact& found,
-                       int worker, GoOn&& go_on) {
+                       int worker, Followed followed, GoOn&& go_on) {
   look_after(posed.pair, level, found, frame);
   if (level.next_is_polygons()) return complete_polygons(refiner, pools, posed, frame, level, found, go_on);
   if (frame.fitted) {
@@ -106,6 +110,7 @@ Outcome complete_level(const PairRefiner& refiner, std::span<collision::FrontPoo
   const bool last = level.level + 1U == level.deepest && refiner.contact != ContactModel::Paper;
   collision::LevelProgress progress = collision::begin_level(level, found, pool);
   collision::sample_points(frame, level, last, progress);
+  progress.sums.gaps_only = followed == Followed::AtOnce && frame.fitted && level.passes_next();
   std::uint32_t left = level.front_entries;
   for (;;) {
     const std::uint32_t units = std::min(left, refiner.quantum_units);
@@ -135,6 +140,30 @@ Outcome complete_level(const PairRefiner& refiner, std::span<collision::FrontPoo
   return Outcome::Completed;
 }
 
+/// A level that the next one was to follow at once, as it was before it: where the next one did not come to its end, all
+/// is found of this one.
+class PassedLevel {
+ public:
+  PassedLevel() = default;
+  PassedLevel(const collision::PairLevel& level, const collision::LevelContact& found, const collision::FrontPool& pool)
+      : before_(level),
+        mark_(pool.mark()),
+        reach_m_(found.reach_m),
+        separation_m_(found.contact.estimated_separation_m),
+        narrowed_(found.narrowed) {}
+
+  /// Does the level again, which fits as it did. Nothing else may have been added to the pool of `worker` since.
+  void complete(const PairRefiner& refiner, std::span<collision::FrontPool> pools, const PosedPair& posed,
+                collision::PairFrame& frame, collision::PairLevel& level, collision::LevelContact& found,
+                int worker) const;
+
+ private:
+  collision::PairLevel before_;
+  collision::FrontPool::Mark mark_{};
+  double reach_m_ = 0, separation_m_ = 0;
+  bool narrowed_ = false;
+};
+
 /// Are the manifold points of a pair still to be made, if its deepest completed level counts? `found`: a LevelContact
 /// or FoundContact.
 template <class Found>
@@ -158,7 +187,7 @@ void make_points_due(const PairRefiner& refiner, const PosedPair& posed, const P
 /// The next level of a pair that nobody else refines, whatever that costs. `frame` is that of frame_of.
 Outcome refine_level(const PairRefiner& refiner, const PosedPair& posed, collision::PairFrame& frame,
                      PairProgress& progress, collision::LevelContact& found, std::span<collision::FrontPool> pools,
-                     int worker);
+                     int worker, Followed followed = Followed::No);
 
 /// The same of a pair of a frame.
 Outcome refine_level(const PairRefiner& refiner, const PosedPair& posed, collision::PairFrame& frame,
@@ -171,10 +200,15 @@ bool refine_pair(const PairRefiner& refiner, const PosedPair& posed, PairProgres
                  collision::LevelContact& found, std::span<collision::FrontPool> pools, int worker, Note&& note) {
   if (progress.refinable() && !progress.full) {
     collision::PairFrame frame = frame_of(refiner, posed);
+    PassedLevel passed;
     do {
       const std::uint64_t units = progress.level.next_units;
-      note(units, refine_level(refiner, posed, frame, progress, found, pools, worker));
+      const PassedLevel before(progress.level, found, pools[static_cast<std::size_t>(worker)]);
+      const Outcome outcome = refine_level(refiner, posed, frame, progress, found, pools, worker, Followed::AtOnce);
+      if (outcome == Outcome::Completed && found.gaps_only) passed = before;
+      note(units, outcome);
     } while (progress.refinable() && !progress.full);
+    if (found.gaps_only) passed.complete(refiner, pools, posed, frame, progress.level, found, worker);
   }
   make_points_due(refiner, posed, progress, found, pools);
   return !progress.full;
