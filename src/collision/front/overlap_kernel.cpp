@@ -30,6 +30,20 @@ struct SetPlaces {
 };
 inline constexpr SetPlaces kColumns;
 
+// Bits of the pairs of the first rows, and of the first columns, of spheres of a block.
+struct FirstBits {
+  std::uint64_t of_rows[kTreeBranching + 1]{}, of_columns[kTreeBranching + 1]{};
+  constexpr FirstBits() {
+    for (std::uint32_t bit = 0; bit < kTreeBranching * kTreeBranching; ++bit) {
+      for (std::uint32_t rows = bit / kTreeBranching + 1; rows <= kTreeBranching; ++rows)
+        of_rows[rows] |= std::uint64_t{1} << bit;
+      for (std::uint32_t columns = bit % kTreeBranching + 1; columns <= kTreeBranching; ++columns)
+        of_columns[columns] |= std::uint64_t{1} << bit;
+    }
+  }
+};
+inline constexpr FirstBits kFirst;
+
 }  // namespace poise::collision
 #endif
 
@@ -174,12 +188,6 @@ std::uint32_t narrow(const TreePair& trees, float inflation_m, std::span<const F
   return kept;
 }
 
-// Bits of the pairs of `rows` spheres of a and `columns` of b.
-HWY_INLINE std::uint64_t used_bits(std::uint32_t rows, std::uint32_t columns) {
-  constexpr std::uint64_t kFirstColumn = 0x0101010101010101U;
-  return (kFirstColumn * ((1U << columns) - 1U)) & (~std::uint64_t{0} >> (kTreeBranching * (kTreeBranching - rows)));
-}
-
 // The pairs of an entry's children that overlap, as bits. Not set to zero before they are known: that takes longer than
 // the tests of a few entries.
 struct Block {
@@ -280,7 +288,7 @@ HWY_INLINE Expansion expand_blocks(const TreePair& trees, const Nearness& nearne
       const FrontEntry first{children_a[entry.a], children_b[entry.b]};
       const std::uint32_t rows = std::max<std::uint32_t>(counts_a[entry.a], 1);
       const std::uint32_t columns = std::max<std::uint32_t>(counts_b[entry.b], 1);
-      const std::uint64_t used = used_bits(rows, columns);
+      const std::uint64_t used = kFirst.of_rows[rows] & kFirst.of_columns[columns];
       const Near found = overlaps<kLists>(spheres_a, first.a, rows, spheres_b, first.b, moved, nearness, closeness,
                                           nearest[kLists.nearest ? k : 0]);
       blocks[k] = {{used & found.bits, used & found.close, used & found.wide}, first.a, first.b, columns};

@@ -271,7 +271,7 @@ Quantum run_points(const PairFrame& frame, std::span<const FrontPool> pools, std
   NodeContacts contacts;
   const auto flush = [&] {
     if (progress.in_block == 0) return;
-    node_contacts(frame, std::span(progress.block).first(progress.in_block), contacts);
+    node_contacts(frame, progress.block, progress.in_block, contacts);
     progress.clusters.add(contacts, progress.in_block);
     progress.in_block = 0;
   };

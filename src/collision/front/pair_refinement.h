@@ -111,7 +111,7 @@ struct PointsProgress {
   ManifoldClusters clusters;
   SegmentRef reading;        ///< of the pair's front
   std::uint32_t offset = 0;  ///< entries of it that are taken
-  std::array<FrontEntry, NodeContacts::kLanes> block{};
+  std::array<FrontEntry, NodeContacts::kLanes> block{};  ///< the first `in_block` are taken; others name nodes too
   std::size_t in_block = 0;
 };
 PointsProgress begin_points(const PairFrame& frame, const PairLevel& pair, const LevelContact& found);

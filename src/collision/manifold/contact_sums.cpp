@@ -149,12 +149,13 @@ void add_close(const PairFrame& frame, std::span<const FrontEntry> near, std::sp
   }
 }
 
-void node_contacts(const PairFrame& frame, std::span<const FrontEntry> entries, NodeContacts& into) {
+void node_contacts(const PairFrame& frame, std::span<const FrontEntry, NodeContacts::kLanes> entries, std::size_t count,
+                   NodeContacts& into) {
   if (frame.fitted) {
     fitted_contacts(frame, entries, into);
     return;
   }
-  for (std::size_t k = 0; k < entries.size(); ++k) {
+  for (std::size_t k = 0; k < count; ++k) {
     const FrontEntry entry = entries[k];
     const SphereContact contact = sphere_contact(frame, entry);
     double expected = static_cast<double>(frame.a->tree.protrusion_mean_m[entry.a]);

@@ -71,9 +71,10 @@ struct PairContact {
   bool present = false;               ///< something is nearer than the margin
 };
 
-/// The contacts of one to eight entries: of the fitted spheres with PairFrame::fitted, otherwise of the nodes' own
-/// spheres with their estimated separation. Lanes without an entry say nothing.
-void node_contacts(const PairFrame& frame, std::span<const FrontEntry> entries, NodeContacts& into);
+/// The contacts of the first `count` entries: of the fitted spheres with PairFrame::fitted, otherwise of the nodes' own
+/// spheres with their estimated separation. All entries name nodes; the lanes of those beyond the first say nothing.
+void node_contacts(const PairFrame& frame, std::span<const FrontEntry, NodeContacts::kLanes> entries, std::size_t count,
+                   NodeContacts& into);
 
 /// Of sums of gaps alone, no more of the contact than its separations and whether it is present. Made in its place: a copy of what has just been written in small parts waits for them.
 void make_contact(const PairFrame& frame, const ContactSums& sums, const Mat3& rotation_a, PairContact& contact);

@@ -6,6 +6,7 @@
 #include <hwy/highway.h>
 
 #include <algorithm>
+#include <array>
 
 #include "collision/manifold/fitted_sums.h"
 
@@ -26,15 +27,29 @@ struct Fits {
   V x, y, z, radius, core;
 };
 
+// As many entries as there are lanes.
+using Block = std::span<const FrontEntry, kLanes>;
+
 template <NodeIndex FrontEntry::*kSide>
-HWY_INLINE const float* row_of(const NodeFit* fits, std::span<const FrontEntry> entries, std::size_t k) {
+HWY_INLINE const float* row_of(const NodeFit* fits, Block entries, std::size_t k) {
   static_assert(sizeof(NodeFit) == 6 * sizeof(float));
-  return &fits[entries[std::min(k, entries.size() - 1)].*kSide].x_m;
+  return &fits[entries[k].*kSide].x_m;
+}
+
+// Calls use(block, count) for entries eight at a time, in order. In the last block the last entry stands for those that
+// are not there.
+template <class Use>
+HWY_INLINE void for_each_block(std::span<const FrontEntry> entries, Use&& use) {
+  for (; entries.size() >= kLanes; entries = entries.subspan(kLanes)) use(entries.first<kLanes>(), kLanes);
+  if (entries.empty()) return;
+  std::array<FrontEntry, kLanes> last;
+  for (std::size_t k = 0; k < kLanes; ++k) last[k] = entries[std::min(k, entries.size() - 1)];
+  use(Block(last), entries.size());
 }
 
 #if HWY_TARGET == HWY_SCALAR
 template <NodeIndex FrontEntry::*kSide, class D>
-HWY_INLINE auto fits_of(D d, const NodeFit* fits, std::span<const FrontEntry> entries, std::size_t k) {
+HWY_INLINE auto fits_of(D d, const NodeFit* fits, Block entries, std::size_t k) {
   const float* const row = row_of<kSide>(fits, entries, k);
   const auto at = [&](std::size_t i) { return hn::Set(d, row[i]); };
   return Fits<hn::Vec<D>>{at(0), at(1), at(2), at(3), at(5)};
@@ -43,7 +58,7 @@ HWY_INLINE auto fits_of(D d, const NodeFit* fits, std::span<const FrontEntry> en
 // Four rows, loaded whole and transposed in registers: a vector that is read where single figures have just been
 // written has to wait for them.
 template <NodeIndex FrontEntry::*kSide>
-HWY_INLINE auto four_fits(const NodeFit* fits, std::span<const FrontEntry> entries, std::size_t first) {
+HWY_INLINE auto four_fits(const NodeFit* fits, Block entries, std::size_t first) {
   const hn::Full128<float> d;
   const float* const rows[] = {row_of<kSide>(fits, entries, first), row_of<kSide>(fits, entries, first + 1),
                                row_of<kSide>(fits, entries, first + 2), row_of<kSide>(fits, entries, first + 3)};
@@ -62,7 +77,7 @@ HWY_INLINE auto four_fits(const NodeFit* fits, std::span<const FrontEntry> entri
 }
 
 template <NodeIndex FrontEntry::*kSide, class D>
-HWY_INLINE auto fits_of(D d, const NodeFit* fits, std::span<const FrontEntry> entries, std::size_t k) {
+HWY_INLINE auto fits_of(D d, const NodeFit* fits, Block entries, std::size_t k) {
   const auto low = four_fits<kSide>(fits, entries, k);
   if constexpr (hn::MaxLanes(D()) == 4) {
     return low;
@@ -100,7 +115,7 @@ struct LaneContacts {
 
 // For a plane, a sphere of b of radius 0 stands under each of a's on the plane.
 template <class D>
-HWY_INLINE auto contacts_of(D d, const PairFrame& frame, std::span<const FrontEntry> entries, std::size_t k) {
+HWY_INLINE auto contacts_of(D d, const PairFrame& frame, Block entries, std::size_t k) {
   const auto set = [&](double value) HWY_ATTR { return hn::Set(d, static_cast<float>(value)); };
   LaneContacts<hn::Vec<D>> c;
   const auto a = fits_of<&FrontEntry::a>(d, frame.a->tree.fit.data(), entries, k);
@@ -149,13 +164,13 @@ struct Weighing {
   float expected_gap_m, inverse_width;
 };
 
-// Adds up to eight contacts to the lanes.
-HWY_INLINE void add_block(const PairFrame& frame, const Weighing& weighing, std::span<const FrontEntry> entries,
+// Adds the first `count` contacts of a block to the lanes.
+HWY_INLINE void add_block(const PairFrame& frame, const Weighing& weighing, Block entries, std::size_t count,
                           Lanes& sums) {
   const hn::CappedTag<float, kLanes> d;
   alignas(32) static constexpr float kIndices[kLanes] = {0, 1, 2, 3, 4, 5, 6, 7};
   for (std::size_t k = 0; k < kLanes; k += hn::Lanes(d)) {
-    const auto used = hn::Lt(hn::Load(d, kIndices + k), hn::Set(d, static_cast<float>(entries.size())));
+    const auto used = hn::Lt(hn::Load(d, kIndices + k), hn::Set(d, static_cast<float>(count)));
     const auto c = contacts_of(d, frame, entries, k);
     const auto ax = c.ax;
     const auto ay = c.ay;
@@ -200,7 +215,7 @@ HWY_INLINE void add_block(const PairFrame& frame, const Weighing& weighing, std:
   }
 }
 
-void contacts(const PairFrame& frame, std::span<const FrontEntry> entries, NodeContacts& into) {
+void contacts(const PairFrame& frame, Block entries, NodeContacts& into) {
   const hn::CappedTag<float, kLanes> d;
   // Centres that coincide have no direction of their own.
   Vec3 direction = frame.offset_m.isZero(0) ? Vec3(Vec3::UnitZ()) : Vec3(frame.offset_m.normalized());
@@ -230,9 +245,8 @@ void add(const PairFrame& frame, std::span<const FrontEntry> entries, FittedSums
   Lanes lanes;
   std::fill_n(lanes.gap, kLanes, kBeyond);
   std::fill_n(lanes.cores, kLanes, kBeyond);
-  for (std::size_t begin = 0; begin < entries.size(); begin += kLanes) {
-    add_block(frame, weighing, entries.subspan(begin, std::min(kLanes, entries.size() - begin)), lanes);
-  }
+  for_each_block(entries,
+                 [&](Block block, std::size_t count) HWY_ATTR { add_block(frame, weighing, block, count, lanes); });
   const auto sum = [](const float(&of)[kLanes]) {
     return static_cast<double>(((of[0] + of[4]) + (of[2] + of[6])) + ((of[1] + of[5]) + (of[3] + of[7])));
   };
@@ -248,19 +262,17 @@ void add(const PairFrame& frame, std::span<const FrontEntry> entries, FittedSums
   sums.cores_m = std::min(sums.cores_m, least(lanes.cores));
 }
 
-// Lanes of entries beyond the last hold copies of it, which change no least value.
 void least_gaps(const PairFrame& frame, std::span<const FrontEntry> entries, FittedSums& sums) {
   const hn::CappedTag<float, kLanes> d;
   auto gaps = hn::Set(d, kBeyond);
   auto cores = gaps;
-  for (std::size_t begin = 0; begin < entries.size(); begin += kLanes) {
-    const auto block = entries.subspan(begin, std::min(kLanes, entries.size() - begin));
+  for_each_block(entries, [&](Block block, std::size_t) HWY_ATTR {
     for (std::size_t k = 0; k < kLanes; k += hn::Lanes(d)) {
       const auto c = contacts_of(d, frame, block, k);
       gaps = hn::Min(gaps, hn::Sub(c.distance, hn::Add(c.radius_a, c.radius_b)));
       cores = hn::Min(cores, hn::Sub(c.distance, c.core));
     }
-  }
+  });
   sums.fitted_m = std::min(sums.fitted_m, static_cast<double>(hn::GetLane(hn::MinOfLanes(d, gaps))));
   sums.cores_m = std::min(sums.cores_m, static_cast<double>(hn::GetLane(hn::MinOfLanes(d, cores))));
   sums.weight += static_cast<double>(entries.size());
@@ -284,7 +296,8 @@ void add_least_gaps(const PairFrame& frame, std::span<const FrontEntry> entries,
   if (!entries.empty()) HWY_DYNAMIC_DISPATCH(least_gaps)(frame, entries, sums);
 }
 
-void fitted_contacts(const PairFrame& frame, std::span<const FrontEntry> entries, NodeContacts& into) {
+void fitted_contacts(const PairFrame& frame, std::span<const FrontEntry, NodeContacts::kLanes> entries,
+                     NodeContacts& into) {
   HWY_DYNAMIC_DISPATCH(contacts)(frame, entries, into);
 }
 

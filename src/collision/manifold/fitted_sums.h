@@ -30,8 +30,8 @@ void add_fitted(const PairFrame& frame, std::span<const FrontEntry> entries, Fit
 /// then.
 void add_least_gaps(const PairFrame& frame, std::span<const FrontEntry> entries, FittedSums& sums);
 
-/// The contacts of one to eight entries; the lanes of entries beyond them hold copies of the last. The same bits
-/// likewise.
-void fitted_contacts(const PairFrame& frame, std::span<const FrontEntry> entries, NodeContacts& into);
+/// The contacts of as many entries as there are lanes. The same bits likewise.
+void fitted_contacts(const PairFrame& frame, std::span<const FrontEntry, NodeContacts::kLanes> entries,
+                     NodeContacts& into);
 
 }  // namespace poise::collision

@@ -38,10 +38,13 @@ struct WeightedContacts {
   alignas(32) float point_m2[4 * kLanes];  // w p, 0
 };
 
-HWY_INLINE void weigh(const NodeContacts& contacts, std::size_t count, float reach_m, WeightedContacts& into) {
+// A bit for each contact that weighs something.
+HWY_INLINE std::uint32_t weigh(const NodeContacts& contacts, std::size_t count, float reach_m,
+                               WeightedContacts& into) {
   const hn::CappedTag<float, kLanes> d;
   alignas(32) static constexpr float kIndices[kLanes] = {0, 1, 2, 3, 4, 5, 6, 7};
   const auto zero = hn::Zero(d);
+  std::uint32_t weighs = 0;
   for (std::size_t k = 0; k < kLanes; k += hn::Lanes(d)) {
     const auto used = hn::Lt(hn::Load(d, kIndices + k), hn::Set(d, static_cast<float>(count)));
     const auto weight =
@@ -52,7 +55,11 @@ HWY_INLINE void weigh(const NodeContacts& contacts, std::size_t count, float rea
                           into.normal_m + 4 * k);
     hn::StoreInterleaved4(times(contacts.point_m[0]), times(contacts.point_m[1]), times(contacts.point_m[2]), zero, d,
                           into.point_m2 + 4 * k);
+    std::uint8_t bits[8] = {};
+    hn::StoreMaskBits(d, hn::Gt(weight, zero), bits);
+    weighs |= std::uint32_t{bits[0]} << k;
   }
+  return weighs;
 }
 
 // The nearest cluster of each contact, of those from `first` on, and a bit for each contact that is near enough to join
@@ -232,9 +239,8 @@ void add(const NodeContacts& contacts, std::size_t count, ClusterState& state) {
   // Means are made again when the weight has grown by this factor. Chosen: piles settle as with means of every contact.
   constexpr float kGrowth = 1.25F;
   WeightedContacts weighted;
-  weigh(contacts, count, state.reach_m, weighted);
-  std::uint32_t left = 0;
-  for (std::size_t lane = 0; lane < count; ++lane) left |= (weighted.weight_m[lane] > 0 ? 1U : 0U) << lane;
+  std::uint32_t left = weigh(contacts, count, state.reach_m, weighted);
+  if (left == 0) return;
   // Clusters from here on are new: no contact that is left is near any before them.
   std::size_t first = 0;
   while (left != 0) {
