@@ -109,8 +109,8 @@ void publish_level(const PairFrame& frame, const Mat3& rotation_a, const LevelPr
 /// The manifold points of a level in progress, made in bounded pieces.
 struct PointsProgress {
   ManifoldClusters clusters;
-  SegmentRef reading;        ///< of the pair's front
-  std::uint32_t offset = 0;  ///< entries of it that are taken
+  SegmentRef reading;                                    ///< of the pair's front
+  std::uint32_t offset = 0;                              ///< entries of it that are taken
   std::array<FrontEntry, NodeContacts::kLanes> block{};  ///< the first `in_block` are taken; others name nodes too
   std::size_t in_block = 0;
 };

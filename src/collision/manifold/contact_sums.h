@@ -76,7 +76,8 @@ struct PairContact {
 void node_contacts(const PairFrame& frame, std::span<const FrontEntry, NodeContacts::kLanes> entries, std::size_t count,
                    NodeContacts& into);
 
-/// Of sums of gaps alone, no more of the contact than its separations and whether it is present. Made in its place: a copy of what has just been written in small parts waits for them.
+/// Of sums of gaps alone, no more of the contact than its separations and whether it is present. Made in its place: a
+/// copy of what has just been written in small parts waits for them.
 void make_contact(const PairFrame& frame, const ContactSums& sums, const Mat3& rotation_a, PairContact& contact);
 
 }  // namespace poise::collision

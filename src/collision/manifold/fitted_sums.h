@@ -26,8 +26,8 @@ struct FittedSums {
 /// Single precision in blocks of eight, the same bits on any instruction set. For two trees or a tree and a plane.
 void add_fitted(const PairFrame& frame, std::span<const FrontEntry> entries, FittedSums& sums);
 
-/// The least gaps alone, which are all that the next level reads of one that it follows at once; `weight` counts entries
-/// then.
+/// The least gaps alone, which are all that the next level reads of one that it follows at once; `weight` counts
+/// entries then.
 void add_least_gaps(const PairFrame& frame, std::span<const FrontEntry> entries, FittedSums& sums);
 
 /// The contacts of as many entries as there are lanes. The same bits likewise.

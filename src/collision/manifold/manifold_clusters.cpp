@@ -39,8 +39,7 @@ struct WeightedContacts {
 };
 
 // A bit for each contact that weighs something.
-HWY_INLINE std::uint32_t weigh(const NodeContacts& contacts, std::size_t count, float reach_m,
-                               WeightedContacts& into) {
+HWY_INLINE std::uint32_t weigh(const NodeContacts& contacts, std::size_t count, float reach_m, WeightedContacts& into) {
   const hn::CappedTag<float, kLanes> d;
   alignas(32) static constexpr float kIndices[kLanes] = {0, 1, 2, 3, 4, 5, 6, 7};
   const auto zero = hn::Zero(d);
@@ -133,7 +132,7 @@ HWY_INLINE auto columns_of(const float* first, const float* second, const float*
   const auto xy23 = hn::InterleaveLower(d, c, e);
   const auto zw01 = hn::InterleaveUpper(d, a, b);
   const auto zw23 = hn::InterleaveUpper(d, c, e);
-  return Columns<hn::Vec<hn::Full128<float>>>{
+  return Columns<hn::Vec<hn::Full128<float> > >{
       hn::ConcatLowerLower(d, xy23, xy01), hn::ConcatUpperUpper(d, xy23, xy01), hn::ConcatLowerLower(d, zw23, zw01),
       hn::ConcatUpperUpper(d, zw23, zw01)};
 }

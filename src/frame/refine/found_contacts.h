@@ -13,6 +13,7 @@
 #include "frame/pair_progress.h"
 #include "parallel/shared_counters.h"
 #include "parallel/unset_vector.h"
+#include "poise_assert.h"
 
 namespace poise::simulation {
 
@@ -132,6 +133,7 @@ class FoundContacts {
     return room.next++;
   }
   void write(const collision::LevelContact& found, int worker, FoundContact& into) {
+    POISE_ASSERT(!found.gaps_only);
     into.contact = found.contact;
     into.reach_m = found.reach_m;
     into.narrowed = found.narrowed;

@@ -140,8 +140,8 @@ Outcome complete_level(const PairRefiner& refiner, std::span<collision::FrontPoo
   return Outcome::Completed;
 }
 
-/// A level that the next one was to follow at once, as it was before it: where the next one did not come to its end, all
-/// is found of this one.
+/// A level that the next one was to follow at once, as it was before it: where the next one did not come to its end,
+/// all is found of this one.
 class PassedLevel {
  public:
   PassedLevel() = default;
