@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 
 #include "collision/manifold/manifold_point.h"
 #include "poise/types.h"
@@ -32,7 +33,7 @@ struct ClusterState {
   std::uint32_t count = 0;
   std::array<Sums, kMost> sums;
   std::array<float, kMost> direction[3], center_m[3];  ///< means
-  std::array<float, kMost> mean_weight_m;              ///< at which the means were made
+  std::array<float, kMost> mean_weight_m;              ///< at which the means were made; of a cluster to come, most
 };
 
 /// Clusters the contacts of a front into few contact points: each contact joins the nearest cluster in position and
@@ -45,6 +46,7 @@ class ManifoldClusters {
   ManifoldClusters(double reach_m, double size_m) {
     state_.reach_m = static_cast<float>(reach_m);
     state_.inverse_square = static_cast<float>(1.0 / (size_m * size_m));
+    state_.mean_weight_m.fill(std::numeric_limits<float>::max());
   }
   /// Adds the first `count` contacts, 1 to 8.
   void add(const NodeContacts& contacts, std::size_t count);
