@@ -213,7 +213,7 @@ struct FrameReport {
   Nanoseconds off_cpu{0};
   Nanoseconds waited{0};  ///< time in which the calling thread waited for other workers: at the end of refinement, and
                           ///< asleep in other stages
-  Nanoseconds longest_job{0};  ///< longest bounded piece of refinement, with the time that the system took from it
+  Nanoseconds longest_job{0};           ///< longest bounded piece of refinement, without what the system took from it
   BodyId longest_job_a, longest_job_b;  ///< the pair that it was of
   /// Largest excess of a piece over its forecast, or of refinement over its cut, without what the system took from it.
   Nanoseconds longest_overrun{0};

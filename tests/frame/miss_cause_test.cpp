@@ -4,6 +4,7 @@
 
 #include <functional>
 #include <memory>
+#include <thread>
 
 #include "frame/budget/frame_time.h"
 #include "frame/scenes.h"
@@ -26,6 +27,7 @@ class Injector final : public parallel::Executor {
  public:
   using Action = std::function<void()>;
   Action at_start, in_refinement, in_tail;
+  mutable Action in_piece;  // of refinement
 
   [[nodiscard]] int concurrency() const override { return 2; }
   void wake() override {
@@ -38,9 +40,15 @@ class Injector final : public parallel::Executor {
   }
   std::size_t run_with(const parallel::Patience&, parallel::WorkerFunction step) override {
     call(in_refinement);
+    looks_ = 0;
     work_off(step);
     refined_ = true;
     return 0;
+  }
+  // A job looks at the clock where it begins, and then after each piece.
+  [[nodiscard]] SteadyClock::time_point time() const override {
+    if (++looks_ == 2) call(in_piece);
+    return SteadyClock::now();
   }
   [[nodiscard]] bool commit(int) override { return true; }
   void settle() override {}
@@ -57,6 +65,7 @@ class Injector final : public parallel::Executor {
     if (once) once();
   }
   bool refined_ = false;
+  mutable int looks_ = 0;  // since refinement began
 };
 
 // Time that passed for this thread, and the part in which it did not run.
@@ -232,6 +241,20 @@ TEST_F(MissCauses, APieceOfRefinementThatTheMachineHeldUpIsNoOverrun) {
   EXPECT_GT(report.lateness.count(), 0);
   EXPECT_EQ(report.cause, MissCause::Machine);
   EXPECT_GT(report.overrun_off_cpu, report.longest_overrun);
+}
+
+TEST_F(MissCauses, TheLongestPieceIsWithoutWhatTheMachineTook) {
+  injector->in_piece = [] { std::this_thread::sleep_for(milliseconds(20)); };
+  const FrameReport slept = step_within(std::chrono::minutes(1));
+  EXPECT_GE(slept.overrun_off_cpu, milliseconds(19));
+  EXPECT_GT(slept.longest_job.count(), 0);
+  EXPECT_LT(slept.longest_job, slept.overrun_off_cpu);
+
+  injector->in_piece = [] {
+    const Watch own;
+    spin_until([&] { return own.cpu() > milliseconds(20); });
+  };
+  EXPECT_GE(step_within(std::chrono::minutes(1)).longest_job, milliseconds(19));
 }
 
 TEST(HostWork, AFrameIsJudgedAnewByWhatTheHostTook) {

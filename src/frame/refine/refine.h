@@ -52,7 +52,7 @@ struct alignas(64) WorkerTally {
   std::uint32_t longest_units = 0;
   Nanoseconds busy{0}, longest{0}, off_cpu{0}, cpu_before{0};
   Nanoseconds overrun{0}, overrun_off_cpu{0};  ///< largest excess of a piece, and what the system took from it
-  SteadyClock::time_point begun{}, ended{}, longest_begun{};
+  SteadyClock::time_point begun{}, ended{}, longest_begun{}, longest_ended{};
 };
 
 /// Memory in which the islands of a frame are found (budget/islands.h), and what they hold. Invariant: buffers only

@@ -166,26 +166,31 @@ class OpenRefinement::Job {
     now_ = run_.executor.time();
     const Nanoseconds took = now_ - begun;
     tally_.busy += took;
-    if (took > tally_.longest) {
-      tally_.longest = took;
-      tally_.longest_pair = batch_.hands[batch_.count - 1].item;
-      tally_.longest_units = static_cast<std::uint32_t>(unwatched_units_);
-      tally_.longest_begun = begun;
-    }
     const Nanoseconds excess = took - run_.budget.job_cost(unwatched_units_);
-    if (excess > tally_.overrun + tally_.overrun_off_cpu) note_excess(excess);
+    const bool exceeds = excess > tally_.overrun + tally_.overrun_off_cpu;
+    if (exceeds || took > tally_.longest) note_long(begun, took, excess, exceeds);
     unwatched_units_ = 0;
   }
-  void note_excess(Nanoseconds excess) {
-    // A shorter one makes no frame late, and is not worth the clock's time. Chosen.
+  // A piece that took longer than any before it, or exceeded its forecast by more.
+  void note_long(SteadyClock::time_point begun, Nanoseconds took, Nanoseconds excess, bool exceeds) {
+    // A shorter excess makes no frame late, and is not worth the clock's time. Chosen.
     constexpr Nanoseconds kLookedInto{50'000};
-    tally_.overrun_off_cpu = Nanoseconds(0);
+    Nanoseconds taken{0};  // by the system
     if (excess >= kLookedInto) {
       const Nanoseconds before = tally_.off_cpu;
       tally_.off_cpu = off_cpu();
-      tally_.overrun_off_cpu = std::clamp(tally_.off_cpu - before, Nanoseconds(0), excess);
+      taken = std::clamp(tally_.off_cpu - before, Nanoseconds(0), excess);
     }
-    tally_.overrun = excess - tally_.overrun_off_cpu;
+    if (exceeds) {
+      tally_.overrun_off_cpu = taken;
+      tally_.overrun = excess - taken;
+    }
+    if (took - taken <= tally_.longest) return;
+    tally_.longest = took - taken;
+    tally_.longest_pair = batch_.hands[batch_.count - 1].item;
+    tally_.longest_units = static_cast<std::uint32_t>(unwatched_units_);
+    tally_.longest_begun = begun;
+    tally_.longest_ended = now_;
   }
 
   // Of a pair that waited where it was ranked in an earlier frame. False: it has its turn later, or none.

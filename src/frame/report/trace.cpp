@@ -70,7 +70,7 @@ void trace_frame(const Frame& frame, const dynamics::BodyStore& bodies, const Fr
     const ActivePair& pair = frame.table.pairs[tally.longest_pair];
     TraceSpan piece = jobs;
     piece.begin = tally.longest_begun;
-    piece.end = tally.longest_begun + tally.longest;
+    piece.end = tally.longest_ended;
     piece.jobs = 0;
     piece.stage = TraceStage::Piece;
     piece.units = tally.longest_units;
