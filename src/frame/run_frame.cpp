@@ -154,11 +154,12 @@ class Step {
     report_.times.coarse += laps_.lap();
     report_.refine_started = laps_.at();
     refine_pairs();
-    const SolveInput solved = solve_input();
+    SolveInput solved = solve_input();
     make_manifolds(
         {world_.scene(), terms_, frame_.motion, frame_.table, frame_.levels, solver::still_mps(solved.settings())},
         world_.cache.points, frame_.manifolds, report_, executor_);
     report_.times.manifolds = laps_.lap();
+    solved.memory = &frame_.levels.found.reuse_points();
     solve(solved);
     report_.times.solve = laps_.lap();
     if (sliced_ != nullptr) hide_end(world_, *sliced_);

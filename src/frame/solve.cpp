@@ -19,6 +19,10 @@ SolvedPair solved_pair(const SolveInput& input, const PointCache& points) {
   return {input.scene, input.motion, input.table, input.levels, input.manifolds, points, input.terms.contact};
 }
 
+solver::LaneMemory& memory_of(const SolveInput& input, Velocities& velocities) {
+  return input.memory != nullptr ? *input.memory : velocities.lane_memory;
+}
+
 // Memory for the sphere contacts of each pair that the paper's model solves.
 void reserve_sphere_points(const SolveInput& input, Velocities& velocities) {
   if (input.terms.contact != ContactModel::Paper) return;
@@ -206,7 +210,7 @@ void deactivate_rows(const SolveInput& input, Velocities& velocities, parallel::
   const Manifolds& manifolds = input.manifolds;
   velocities.rows.resize(std::max(velocities.rows.size(), manifolds.manifolds.size()));
   velocities.overlaps =
-      velocities.lane_memory.use_anew<solver::OverlapPoint>(solver::kOverlapsOfRow * velocities.rows.size());
+      memory_of(input, velocities).use_anew<solver::OverlapPoint>(solver::kOverlapsOfRow * velocities.rows.size());
   velocities.scratch.activations.resize(manifolds.manifolds.size());
   const std::span<const std::uint32_t> places = manifolds.coloring.places();
   parallel::parallel_for(executor, places.size(), kRowGrain, [&](std::size_t begin, std::size_t end, int) {
@@ -311,7 +315,7 @@ void begin_solve(const SolveInput& input, Velocities& velocities, parallel::Exec
   const std::size_t most = input.table.capacity();
   velocities.applied_impulse_ns.reserve(most);
   parallel::reserve_anew(velocities.rows, most);
-  velocities.lane_memory.reserve<solver::OverlapPoint>(solver::kOverlapsOfRow * most);
+  memory_of(input, velocities).reserve<solver::OverlapPoint>(solver::kOverlapsOfRow * most);
   velocities.scratch.activations.reserve(most);
   parallel::reserve_anew(velocities.left_out, most);
   velocities.applied_impulse_ns.resize(input.manifolds.manifolds.size());
@@ -353,7 +357,7 @@ solver::ContactSystem contact_system(const SolveInput& input, PointCache& points
           input.motion.visited,
           true,
           velocities.bounced ? std::span<const std::uint8_t>(velocities.left_out) : std::span<const std::uint8_t>(),
-          &velocities.lane_memory};
+          &memory_of(input, velocities)};
 }
 
 solver::Convergence solve_contacts(const SolveInput& input, const IterationsAllowed& allowed, PointCache& points,

@@ -21,6 +21,7 @@ struct SolveInput {
   std::span<const collision::FrontPool> pools;  ///< of *refine*: the paper's model reads its fronts
   int substeps = 2;
   solver::Stopping stopping;
+  solver::LaneMemory* memory = nullptr;  ///< to use instead of Velocities::lane_memory
 
   [[nodiscard]] solver::SolveSettings settings() const { return {terms.dt_s, terms.gravity_mps2, substeps, stopping}; }
 };

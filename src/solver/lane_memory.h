@@ -11,7 +11,8 @@
 
 namespace poise::solver {
 
-/// Memory of one array, which arrays of several types use in turns. Invariant: it only grows.
+/// Memory of one array, which arrays of several types use in turns: in a frame points that refinement has found, then
+/// overlapping points of impacts, then contact points in lanes. Invariant: it only grows.
 class LaneMemory {
  public:
   /// Memory for `n` elements. Those that there are are lost where that is new memory.

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <limits>
 #include <set>
 #include <span>
@@ -121,6 +122,23 @@ TEST(FoundContacts, ALevelThatDoesNotCompleteKeepsNothing) {
   PairProgress pair;
   find(found, pair, 0, kReachM, 1);
   EXPECT_EQ(pair.found, 0U);
+}
+
+TEST(FoundContacts, MemoryOfPointsServesOthersUntilTheNextFrame) {
+  constexpr std::size_t kPairs = 50;
+  FoundContacts found;
+  for (int frame = 0; frame < 3; ++frame) {
+    found.begin(kPairs, 1);
+    std::vector<PairProgress> pairs(kPairs, refined(false));
+    for (std::size_t i = 0; i < kPairs; ++i) find(found, pairs[i], 0, kReachM, static_cast<double>(i), 1 + i % 8);
+    for (std::size_t i = 0; i < kPairs; ++i) expect_points(found, pairs[i], static_cast<double>(i), 1 + i % 8);
+    // More of them in each frame than there were points.
+    solver::LaneMemory& memory = found.reuse_points();
+    const std::span<double> others = memory.use_anew<double>(kPairs * 1000 * static_cast<std::size_t>(1 + frame));
+    std::fill(others.begin(), others.end(), -1.0);
+    for (std::size_t i = 0; i < kPairs; ++i)
+      EXPECT_EQ(found.of(pairs[i]).contact.estimated_separation_m, static_cast<double>(i)) << "contacts stay";
+  }
 }
 
 }  // namespace

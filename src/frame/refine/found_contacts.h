@@ -14,6 +14,7 @@
 #include "parallel/shared_counters.h"
 #include "parallel/unset_vector.h"
 #include "poise_assert.h"
+#include "solver/lane_memory.h"
 
 namespace poise::simulation {
 
@@ -44,7 +45,12 @@ class FoundContacts {
     // Each worker may have a part of a block left over. What no pair has got is not touched, and costs no memory.
     const std::size_t most = kFirst + pairs + workers * kBlock;
     if (most > entries_.size()) enlarge(most);
-    parallel::grow_anew(points_, kMostPlaces * pairs + workers * kPointBlock);
+    points_ = memory_.use_anew<collision::ManifoldPoint>(kMostPlaces * pairs + workers * kPointBlock);
+  }
+  /// The memory of the points, for who comes after their last reader, *manifolds*. They are gone then.
+  [[nodiscard]] solver::LaneMemory& reuse_points() {
+    points_ = {};
+    return memory_;
   }
 
   /// Of a pair without an entry: nothing that is near, and a reach beyond any other.
@@ -52,10 +58,10 @@ class FoundContacts {
   /// Of a pair with a level beyond 0 that has not found it separated: the caller's to write.
   [[nodiscard]] FoundContact& of(const PairProgress& pair) { return entries_[pair.found]; }
   [[nodiscard]] std::span<const collision::ManifoldPoint> points_of(const FoundContact& found) const {
-    return std::span(points_).subspan(found.points_begin, found.point_count);
+    return points_.subspan(found.points_begin, found.point_count);
   }
   [[nodiscard]] std::span<collision::ManifoldPoint> points_of(const FoundContact& found) {
-    return std::span(points_).subspan(found.points_begin, found.point_count);
+    return points_.subspan(found.points_begin, found.point_count);
   }
 
   /// Where a worker may work on levels of a pair: with what the next one reads of the last.
@@ -159,9 +165,10 @@ class FoundContacts {
   }
 
   parallel::UnsetVector<FoundContact> entries_;
-  parallel::UnsetVector<collision::ManifoldPoint> points_;
-  std::vector<Room> rooms_;  // one a worker
-  std::vector<Work> work_;   // likewise
+  solver::LaneMemory memory_;
+  std::span<collision::ManifoldPoint> points_;  // in it
+  std::vector<Room> rooms_;                     // one a worker
+  std::vector<Work> work_;                      // likewise
   parallel::Tickets entries_taken_, points_taken_;
 };
 
