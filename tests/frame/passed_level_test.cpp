@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include <gtest/gtest.h>
 
+#include <chrono>
+#include <memory>
 #include <vector>
 
 #include "collision/shapes.h"
@@ -124,6 +126,65 @@ TEST_F(PassedLevels, AreCompletedWhereTheNextFrontDoesNotFit) {
     expect_same(found, expected);
   });
   EXPECT_GT(full, 100);
+}
+
+// One thread, for which all time is over from some look at the clock within refinement on.
+class StoppedClock final : public parallel::Executor {
+ public:
+  int last_look = 0;
+
+  [[nodiscard]] int concurrency() const override { return 1; }
+  void run(parallel::WorkerFunction step) override {
+    while (step(0)) {
+    }
+  }
+  std::size_t run_with(const parallel::Patience& /*patience*/, parallel::WorkerFunction step) override {
+    looks_ = 0;
+    refines_ = true;
+    run(step);
+    refines_ = false;
+    return 0;
+  }
+  [[nodiscard]] bool commit(int /*worker*/) override { return true; }
+  void settle() override {}
+  [[nodiscard]] SteadyClock::time_point time() const override {
+    const bool over = refines_ && ++looks_ > last_look;
+    return SteadyClock::now() + (over ? std::chrono::hours(2) : std::chrono::hours(0));
+  }
+
+ private:
+  bool refines_ = false;
+  mutable int looks_ = 0;  // a step that is recorded looks after each level
+};
+
+// Where time is over between two levels of a pair, it stays at the first of them with all that is to be found of it: as
+// in a replay, which does levels one by one.
+TEST(PassedLevel, IsDoneWholeWhereTimeIsOverBeforeTheNextOne) {
+  for (const double in_order_ns : {1e-9, 1e18}) {
+    Stage recorded(one_thread_with_gravity(), 0.2);
+    Stage replayed(one_thread_with_gravity(), 0.2);
+    for (Stage* stage : {&recorded, &replayed}) stage->jacks(60, 4);
+    WorldState& world = WorldAccess::of(recorded.world);
+    auto made = std::make_unique<StoppedClock>();
+    StoppedClock& clock = *made;
+    world.executor = std::move(made);
+    StepInput input = step_of(1.0 / 60);
+    input.record = true;
+    std::uint32_t passed = 0;
+    for (int frame = 0; frame < 90; ++frame) {
+      clock.last_look = 1 + frame % 40;
+      world.forecasts.pair_cost.in_order_ns = in_order_ns;
+      input.budget = Budget::within(std::chrono::hours(1));
+      passed += recorded.world.step(input).level_histogram[1];
+      FrameDecisions decisions;
+      recorded.world.decisions(decisions);
+      StepInput again = step_of(1.0 / 60);
+      again.replay = &decisions;
+      ASSERT_EQ(replayed.world.step(again).status, StepStatus::Done);
+      ASSERT_EQ(replayed.world.state_hash(), recorded.world.state_hash()) << "frame " << frame << ", " << in_order_ns;
+    }
+    EXPECT_GT(passed, 10U) << in_order_ns;
+  }
 }
 
 }  // namespace
