@@ -120,6 +120,7 @@ void predict(const PredictInput& input, PredictedMotion& motion, parallel::Execu
   parallel::resize(executor, motion.poses, slots);
   parallel::resize<Mat3>(executor, motion.inverse_inertia, slots, Mat3::Zero());
   parallel::resize(executor, motion.body_bounds, slots);
+  parallel::resize<Vec3>(executor, motion.spins_radps, slots, Vec3::Zero());
   // Backtracking keeps nothing of what rests.
   if (motion.swept.on != input.terms.backtracking) motion.everything = true;
   list_visited(input, motion, executor);
@@ -131,6 +132,7 @@ void predict(const PredictInput& input, PredictedMotion& motion, parallel::Execu
       if (bodies.alive[i] == 0) continue;
       motion.poses[i] = {bodies.position(i), bodies.orientation(i).toRotationMatrix()};
       motion.inverse_inertia[i] = dynamics::inverse_inertia_world(bodies, i);
+      motion.spins_radps[i] = bodies.spin(i);
       motion.body_bounds[i] = make_body_bounds(input, motion.poses[i], i);
       if (motion.body_bounds[i].plane && planes.get() == 0) planes.set(1);
     }

@@ -51,6 +51,7 @@ struct PredictedMotion {
   parallel::UnsetVector<collision::Pose> poses;          ///< one a slot, at the start of the step
   parallel::UnsetVector<BodyBounds> body_bounds;         ///< one a slot
   parallel::UnsetVector<Mat3> inverse_inertia;           ///< one a slot, world frame
+  parallel::UnsetVector<Vec3> spins_radps;               ///< one a slot, at the start of the step
   parallel::UnsetVector<collision::MotionBound> bounds;  ///< of bodies that move, and are not swept
   std::vector<collision::PlaneBound> planes;
   bool planes_changed = true;

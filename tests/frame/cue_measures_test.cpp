@@ -147,23 +147,23 @@ class Measured : public ::testing::Test {
 };
 
 TEST(SurfaceSpeed, AddsTheSpinAtTheContactPointToTheVelocity) {
-  dynamics::BodyStore bodies;
   PredictedMotion motion;
   ActivePair pair;
-  pair.a = bodies.add().slot;
-  pair.b = bodies.add().slot;
+  pair.a = 0;
+  pair.b = 1;
+  motion.spins_radps.assign(2, Vec3::Zero());
   motion.poses.assign(2, {});
   motion.body_bounds.assign(2, {});
   motion.poses[pair.b].position_m = Vec3(2, 0, 0);
   motion.body_bounds[pair.a].velocity_mps = Vec3(1, 0, 0);
   const PairPlace beside{Vec3(1, 0.5, 0), Vec3::UnitX()};
-  EXPECT_NEAR(surface_closing_mps(bodies, motion, pair, beside), 1, 1e-15);
-  bodies.set_spin(pair.a, Vec3(0, 0, -4));
-  EXPECT_NEAR(surface_closing_mps(bodies, motion, pair, beside), 1 + 4 * 0.5, 1e-15);
-  bodies.set_spin(pair.b, Vec3(0, 0, 4));
-  EXPECT_NEAR(surface_closing_mps(bodies, motion, pair, beside), 1 + 8 * 0.5, 1e-15);
+  EXPECT_NEAR(surface_closing_mps(motion, pair, beside), 1, 1e-15);
+  motion.spins_radps[pair.a] = Vec3(0, 0, -4);
+  EXPECT_NEAR(surface_closing_mps(motion, pair, beside), 1 + 4 * 0.5, 1e-15);
+  motion.spins_radps[pair.b] = Vec3(0, 0, 4);
+  EXPECT_NEAR(surface_closing_mps(motion, pair, beside), 1 + 8 * 0.5, 1e-15);
   const PairPlace between{Vec3(1, 0, 0), Vec3::UnitX()};
-  EXPECT_NEAR(surface_closing_mps(bodies, motion, pair, between), 1, 1e-15) << "spin moves it across the normal";
+  EXPECT_NEAR(surface_closing_mps(motion, pair, between), 1, 1e-15) << "spin moves it across the normal";
 }
 
 TEST_F(Measured, APairIsSeenWhereItsCachedPointIs) {

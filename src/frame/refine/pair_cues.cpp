@@ -24,9 +24,9 @@ bool measures_closing(const scheduler::Policy& policy) {
 // Is all that moves of a pair hidden?
 bool is_hidden(const RefineInput& input, const ActivePair& pair) {
   const Occlusion& occlusion = input.prepared->occlusion;
-  const std::vector<std::uint8_t>& dynamic = input.scene.bodies.dynamic;
-  const auto seen = [&](std::uint32_t slot) { return dynamic[slot] != 0 && occlusion.hidden[slot] == 0; };
-  return (dynamic[pair.a] != 0 || dynamic[pair.b] != 0) && !seen(pair.a) && !seen(pair.b);
+  const auto dynamic = [&](std::uint32_t slot) { return input.motion.body_bounds[slot].dynamic; };
+  const auto seen = [&](std::uint32_t slot) { return dynamic(slot) && occlusion.hidden[slot] == 0; };
+  return (dynamic(pair.a) || dynamic(pair.b)) && !seen(pair.a) && !seen(pair.b);
 }
 
 // What the viewer sees of a pair, as far as the policy asks for it.
@@ -39,7 +39,7 @@ PairView pair_view_of(const RefineInput& input, const ActivePair& pair) {
   view.point_m = place.point_m;
   view.normal = place.normal;
   view.extent_m = pair.skin_m / kSkin;
-  if (measures_closing(policy)) view.closing_mps = surface_closing_mps(input.scene.bodies, input.motion, pair, place);
+  if (measures_closing(policy)) view.closing_mps = surface_closing_mps(input.motion, pair, place);
   view.importance = input.scene.bodies.importance[pair.a] * input.scene.bodies.importance[pair.b];
   view.frames_waited = pair.cached->frames_waited;
   if (measures(policy, &Policy::gap)) view.gap_m = answered_gap_m(input.motion, pair);

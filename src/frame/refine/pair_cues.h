@@ -21,6 +21,7 @@ class PairCueSource {
     for (const std::uint32_t body : {pair.a, pair.b}) {
       parallel::prefetch(input_.motion.poses[body]);
       parallel::prefetch(input_.motion.body_bounds[body]);
+      parallel::prefetch(input_.motion.spins_radps[body]);
     }
     if (pair.cached->point_count > 0 && input_.points != nullptr)
       parallel::prefetch(input_.points->points[PointCache::begin(pair.cached->slot)]);

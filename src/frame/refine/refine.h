@@ -27,7 +27,7 @@ struct RefineInput {
   const PredictedMotion& motion;
   const PairTable& table;
   const scheduler::Policy& policy;
-  const StepInput& step;  ///< its budget, and what is recorded, replayed or explained
+  StepInput step;  ///< a copy: jobs that are not waited for outlive the caller's
   std::uint64_t frame = 0, seed = 0;
   int substeps = 2;                     ///< of the contact solver, where the frame is not degraded
   std::uint32_t max_front_entries = 0;  ///< capacity of a worker's pool

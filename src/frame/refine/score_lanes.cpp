@@ -262,7 +262,7 @@ void LaneScorer::score(std::span<const std::uint32_t> pairs, std::span<const Pai
 void LaneScorer::gather(std::uint32_t index, const PairProgress& progress, LanePairs& into, std::size_t lane) {
   const ActivePair& pair = input_.table.pairs[index];
   const CachedPair& cached = *pair.cached;
-  const dynamics::BodyStore& bodies = input_.scene.bodies;
+  const std::vector<double>& importance = input_.scene.bodies.importance;
   into.a[lane] = pair.a;
   into.b[lane] = pair.b;
   const bool points = cached.point_count > 0 && input_.points != nullptr;
@@ -271,13 +271,13 @@ void LaneScorer::gather(std::uint32_t index, const PairProgress& progress, LaneP
   into.with_points[lane] = points ? 1 : 0;
   into.with_plane[lane] = input_.motion.body_bounds[pair.b].plane ? 1 : 0;
   into.extent_m[lane] = pair.skin_m / kSkin;
-  into.importance[lane] =
-      static_cast<double>(static_cast<float>(bodies.importance[pair.a] * bodies.importance[pair.b]));
+  into.importance[lane] = static_cast<double>(static_cast<float>(importance[pair.a] * importance[pair.b]));
   into.waiting[lane] = 1.0 + static_cast<double>(cached.frames_waited);
-  const std::vector<double>* const spins[3] = {&bodies.wx_radps, &bodies.wy_radps, &bodies.wz_radps};
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    into.spin_a[axis][lane] = (*spins[axis])[pair.a];
-    into.spin_b[axis][lane] = (*spins[axis])[pair.b];
+  const Vec3& spin_a = input_.motion.spins_radps[pair.a];
+  const Vec3& spin_b = input_.motion.spins_radps[pair.b];
+  for (int axis = 0; axis < 3; ++axis) {
+    into.spin_a[axis][lane] = spin_a[axis];
+    into.spin_b[axis][lane] = spin_b[axis];
   }
   const OfShapes& shapes = of_shapes(pair, progress);
   const KnownSeparation known = known_separation_of(input_.scene, pair);
