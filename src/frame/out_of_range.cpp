@@ -14,10 +14,7 @@ void forget_contacts_of(std::span<const std::uint32_t> slots, const PairTable& t
     const PairPoints& made = manifolds.points[manifold.pair];
     for (solver::ContactForce& force : points.forces_of(made.slot, made.point_count)) force = {};
     velocities.applied_impulse_ns[m].setZero();
-    if (velocities.row(manifolds, m) == nullptr) continue;
-    solver::ContactRow& row = velocities.rows[manifolds.coloring.places()[m]];
-    row.total_ns = 0;
-    row.point_impulse_ns.setZero();
+    if (!velocities.impact_ns.empty()) velocities.impact_ns[m].setZero();
   }
   for (SweptHit& hit : velocities.swept.hits) {
     const ActivePair& pair = table.pairs[hit.pair];

@@ -32,15 +32,6 @@ HWY_INLINE void prefetch_of_pair(const PublishInput& input, std::size_t i) {
   if (progress.found != 0) hwy::Prefetch(&input.levels.found.of(progress).reach_m);
 }
 
-// Prefetches what touches() reads of impacts of a manifold whose contact points got no impulse.
-HWY_INLINE void prefetch_row_of(const PublishInput& input, std::size_t m) {
-  if (!input.manifolds.impacts || !input.velocities.applied_impulse_ns[m].isZero(0)) return;
-  const std::uint32_t at = input.manifolds.coloring.places()[m];
-  hwy::Prefetch(&input.velocities.scratch.activations[at]);
-  hwy::Prefetch(&input.velocities.rows[at].total_ns);
-  hwy::Prefetch(&input.velocities.rows[at].point_impulse_ns.z());
-}
-
 // By how much the separation of two bodies may have changed in this step.
 double moved_against_m(const PublishInput& input, std::uint32_t slot_a, std::uint32_t slot_b) {
   const StepMotion& a = input.motions.of_slot[slot_a];
@@ -96,8 +87,7 @@ void fill_apart_after(const PublishInput& input, const CachedPair& before, Cache
 // Does the pair of a manifold touch? Impulses make a touch of what is separated.
 bool touches(const PublishInput& input, const PointCache& points, std::size_t m) {
   if (!input.velocities.applied_impulse_ns[m].isZero(0)) return true;
-  const solver::ContactRow* row = input.velocities.row(input.manifolds, m);
-  if (row != nullptr && (row->total_ns > 0 || !row->point_impulse_ns.isZero(0))) return true;
+  if (!input.velocities.impact_ns.empty() && !input.velocities.impact_ns[m].isZero(0)) return true;
   const std::uint32_t index = input.manifolds.manifolds[m].pair;
   const PairPoints& made = input.manifolds.points[index];
   const CachedPair& cached = *input.table.pairs[index].cached;
@@ -114,8 +104,7 @@ bool touches(const PublishInput& input, const PointCache& points, std::size_t m)
 // What the body in the lower slot gave the other in the step, by contact and impacts of a manifold.
 Vec3 touch_impulse_ns(const PublishInput& input, std::size_t m) {
   const ActivePair& pair = input.table.pairs[input.manifolds.manifolds[m].pair];
-  Vec3 impulse_ns = input.velocities.applied_impulse_ns[m];
-  if (const solver::ContactRow* row = input.velocities.row(input.manifolds, m)) impulse_ns += row->impact_ns();
+  const Vec3 impulse_ns = input.velocities.impulse_ns(m);
   return pair.a == pair.low() ? impulse_ns : Vec3(-impulse_ns);
 }
 
@@ -126,9 +115,7 @@ Contact contact_at(const PublishInput& input, const PointCache& points, std::siz
   const double sign = pair.a == pair.low() ? 1.0 : -1.0;
   Contact contact = contact_outline(input, points, m);
   contact.gap_m = solved_gap_m(input.solved_pair(points), index);
-  contact.impulse_ns = sign * input.velocities.applied_impulse_ns[m];
-  if (const solver::ContactRow* row = input.velocities.row(input.manifolds, m))
-    contact.impulse_ns += sign * row->impact_ns();
+  contact.impulse_ns = sign * input.velocities.impulse_ns(m);
   list_points({input.motion, points, pair, input.manifolds.points[index]}, sign, contact);
   return contact;
 }
@@ -322,12 +309,10 @@ void publish(const PublishInput& input, ContactCache& cache, ContactEvents& even
   parallel::parallel_for(executor, table.chunks(), kNearGrain, [&](std::size_t first, std::size_t past, int) {
     for (std::size_t chunk = first; chunk < past; ++chunk) fill_chunk_after(input, chunk, next, publication);
   });
-  const bool distant = table.size() > parallel::kPairsAtHand;
   const Manifolds& manifolds = input.manifolds;
   parallel::parallel_for(executor, manifolds.manifolds.size(), kPairGrain,
                          [&](std::size_t begin, std::size_t end, int) {
                            for (std::size_t m = begin; m < end; ++m) {
-                             if (distant && m + kMotionsAhead < end) prefetch_row_of(input, m + kMotionsAhead);
                              if (!touches(input, cache.points, m)) continue;
                              const std::uint32_t i = manifolds.manifolds[m].pair;
                              next[publication.place[i]].touching = true;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <tuple>
 
 #include "parallel/prefetch.h"
 #include "parallel/ranges.h"
@@ -14,6 +15,14 @@ namespace {
 constexpr std::size_t kRowGrain = 256;
 // A row that is filled takes half a microsecond.
 constexpr std::size_t kFillGrain = 64;
+
+// A worker that fills row after row takes so many places for overlapping points at once. Chosen.
+constexpr std::uint32_t kOverlapPlaces = 64;
+static_assert(kOverlapPlaces >= 8 * solver::kOverlapsOfRow);
+// For those of so many rows: less than one place in eight is left over.
+std::size_t most_overlap_places(std::size_t rows, const parallel::Executor& executor) {
+  return solver::kOverlapsOfRow * rows * 8 / 7 + static_cast<std::size_t>(executor.concurrency()) * kOverlapPlaces;
+}
 
 SolvedPair solved_pair(const SolveInput& input, const PointCache& points) {
   return {input.scene, input.motion, input.table, input.levels, input.manifolds, points, input.terms.contact};
@@ -102,21 +111,10 @@ class PairRows final : public solver::RowSource {
     parallel::prefetch(velocities_.rows[input_.manifolds.coloring.places()[m]]);
   }
   void fill(std::size_t k) const override {
-    auto place = static_cast<std::uint32_t>(counts_.overlaps.take(solver::kOverlapsOfRow));
-    fill(k, place);
+    OverlapRoom room;  // of this row alone
+    fill(k, room);
   }
-  // Places for the overlapping points of the fast ones of some manifolds, one after another: neighbours in memory are
-  // written by the same thread.
-  std::uint32_t take_places(std::size_t begin, std::size_t end) const {
-    std::size_t count = 0;
-    for (std::size_t m = begin; m < end; ++m) {
-      const solver::Manifold& manifold = input_.manifolds.manifolds[m];
-      if (manifold.fast && manifold.restitution > 0) count += manifold.point_count;
-    }
-    return static_cast<std::uint32_t>(count > 0 ? counts_.overlaps.take(count) : 0);
-  }
-  // The overlapping points of the row have their places from `place` on, which is moved behind them.
-  void fill(std::size_t k, std::uint32_t& place) const {
+  void fill(std::size_t k, OverlapRoom& room) const {
     const std::uint32_t index = input_.manifolds.coloring.order()[k];
     const solver::Manifold& manifold = input_.manifolds.manifolds[index];
     const ActivePair& pair = input_.table.pairs[manifold.pair];
@@ -132,7 +130,7 @@ class PairRows final : public solver::RowSource {
     row.friction = manifold.friction;
     row.a_to_b_m = input_.motion.poses[pair.b].position_m - input_.motion.poses[pair.a].position_m;
     if (points.point_count > 1 && row.restitution > 0 && may_overlap(pair, progress, points))
-      list_overlaps(pair, manifold, k, place, row);
+      list_overlaps(pair, manifold, k, room, row);
     if (progress.from_cache()) {
       row.arm_m = single.arm_m;
       row.wrench = {single.normal, row.arm_m.cross(single.normal), (row.arm_m - row.a_to_b_m).cross(single.normal)};
@@ -164,21 +162,26 @@ class PairRows final : public solver::RowSource {
   }
 
   // The points of the manifold that certainly penetrate.
-  void list_overlaps(const ActivePair& pair, const solver::Manifold& manifold, std::size_t k, std::uint32_t& place,
+  void list_overlaps(const ActivePair& pair, const solver::Manifold& manifold, std::size_t k, OverlapRoom& room,
                      solver::ContactRow& row) const {
     const collision::Pose& a = input_.motion.poses[pair.a];
     const collision::Pose& b = input_.motion.poses[pair.b];
-    const std::uint32_t first = place;
+    if (room.past - room.next < manifold.point_count) {
+      const std::uint32_t taken = std::max<std::uint32_t>(room.at_once, manifold.point_count);
+      room.next = static_cast<std::uint32_t>(counts_.overlaps.take(taken));
+      room.past = room.next + taken;
+    }
+    const std::uint32_t first = room.next;
     for (std::uint32_t p = manifold.point_begin; p < manifold.point_begin + manifold.point_count; ++p) {
       const solver::PlacedPoint point = solver::placed_point(a, b, points_.points[p]);
       if (point.certain_separation_m > 0) continue;
-      velocities_.overlaps[place++] = {point.normal, point.arm_m.cross(point.normal),
-                                       (point.arm_m - row.a_to_b_m).cross(point.normal), row.restitution};
+      velocities_.overlaps[room.next++] = {point.normal, point.arm_m.cross(point.normal),
+                                           (point.arm_m - row.a_to_b_m).cross(point.normal), row.restitution};
       row.overlap_reach_m = std::max(row.overlap_reach_m, point.arm_m.norm());
     }
     solver::RowActivation& gate = velocities_.scratch.activations[k];
     gate.overlaps_begin = first;
-    gate.overlap_count = static_cast<std::uint8_t>(place - first);
+    gate.overlap_count = static_cast<std::uint8_t>(room.next - first);
   }
 
   // Sphere contacts of the paper's model, from the front of the pair.
@@ -208,10 +211,11 @@ class PairRows final : public solver::RowSource {
 // An activation for each row, none of the rows filled.
 void deactivate_rows(const SolveInput& input, Velocities& velocities, parallel::Executor& executor) {
   const Manifolds& manifolds = input.manifolds;
-  velocities.rows.resize(std::max(velocities.rows.size(), manifolds.manifolds.size()));
-  velocities.overlaps =
-      memory_of(input, velocities).use_anew<solver::OverlapPoint>(solver::kOverlapsOfRow * velocities.rows.size());
-  velocities.scratch.activations.resize(manifolds.manifolds.size());
+  const std::size_t count = manifolds.manifolds.size();
+  std::tie(velocities.rows, velocities.overlaps) =
+      memory_of(input, velocities)
+          .use_anew<solver::ContactRow, solver::OverlapPoint>(count, most_overlap_places(count, executor));
+  velocities.scratch.activations.resize(count);
   const std::span<const std::uint32_t> places = manifolds.coloring.places();
   parallel::parallel_for(executor, places.size(), kRowGrain, [&](std::size_t begin, std::size_t end, int) {
     for (std::size_t m = begin; m < end; ++m) {
@@ -230,17 +234,34 @@ void fill_fast_rows(const Manifolds& manifolds, const PairRows& source, Velociti
                     parallel::Executor& executor) {
   constexpr std::size_t kAhead = 4;
   const bool distant = manifolds.manifolds.size() > parallel::kPairsAtHand;
+  velocities.overlap_rooms.assign(static_cast<std::size_t>(executor.concurrency()), {0, 0, kOverlapPlaces});
   parallel::parallel_for(executor, manifolds.manifolds.size(), kFillGrain,
-                         [&](std::size_t begin, std::size_t end, int) {
-                           std::uint32_t place = source.take_places(begin, end);
+                         [&](std::size_t begin, std::size_t end, int worker) {
+                           OverlapRoom& room = velocities.overlap_rooms[static_cast<std::size_t>(worker)];
                            for (std::size_t m = begin; m < end; ++m) {
                              if (distant && m + kAhead < end) source.prefetch(m + kAhead);
                              if (!manifolds.manifolds[m].fast) continue;
                              const std::uint32_t row = manifolds.coloring.places()[m];
-                             source.fill(row, place);
+                             source.fill(row, room);
                              solver::activate(velocities.rows[row], velocities.scratch.activations[row]);
                            }
                          });
+}
+
+// What the rows received; these are gone when the contact points take their memory.
+void keep_impacts(const Manifolds& manifolds, Velocities& velocities, parallel::Executor& executor) {
+  constexpr std::size_t kAhead = 8;
+  const std::span<const std::uint32_t> places = manifolds.coloring.places();
+  const bool distant = places.size() > parallel::kPairsAtHand;
+  velocities.impact_ns.resize(places.size());
+  parallel::parallel_for(executor, places.size(), kRowGrain, [&](std::size_t begin, std::size_t end, int) {
+    for (std::size_t m = begin; m < end; ++m) {
+      if (distant && m + kAhead < end && velocities.scratch.activations[places[m + kAhead]].ready)
+        parallel::prefetch(velocities.rows[places[m + kAhead]]);
+      const std::uint32_t k = places[m];
+      velocities.impact_ns[m] = velocities.scratch.activations[k].ready ? velocities.rows[k].impact_ns() : Vec3::Zero();
+    }
+  });
 }
 
 // What closes fast enough to rebound is the business of impacts: the contact solver leaves it out.
@@ -293,13 +314,9 @@ double solved_gap_m(const SolvedPair& solved, std::uint32_t pair) {
 }
 
 solver::System impact_system(const SolveInput& input, Velocities& velocities) {
-  return {velocities.bodies,
-          std::span(velocities.rows).first(input.manifolds.manifolds.size()),
-          velocities.points,
-          velocities.overlaps,
-          input.motion.inverse_inertia,
-          input.manifolds.coloring,
-          velocities.scratch};
+  return {
+      velocities.bodies,        velocities.rows,   velocities.points, velocities.overlaps, input.motion.inverse_inertia,
+      input.manifolds.coloring, velocities.scratch};
 }
 
 void fill_rows(const SolveInput& input, const PointCache& points, Velocities& velocities,
@@ -314,8 +331,9 @@ void begin_solve(const SolveInput& input, Velocities& velocities, parallel::Exec
   // All grow with the pairs, so that later frames that solve a larger share of them need no new memory.
   const std::size_t most = input.table.capacity();
   velocities.applied_impulse_ns.reserve(most);
-  parallel::reserve_anew(velocities.rows, most);
-  memory_of(input, velocities).reserve<solver::OverlapPoint>(solver::kOverlapsOfRow * most);
+  parallel::reserve_anew(velocities.impact_ns, most);
+  memory_of(input, velocities)
+      .reserve<solver::ContactRow, solver::OverlapPoint>(most, most_overlap_places(most, executor));
   velocities.scratch.activations.reserve(most);
   parallel::reserve_anew(velocities.left_out, most);
   velocities.applied_impulse_ns.resize(input.manifolds.manifolds.size());
@@ -327,6 +345,7 @@ void begin_solve(const SolveInput& input, Velocities& velocities, parallel::Exec
 
 solver::Convergence solve_impacts(const SolveInput& input, const PointCache& points, Velocities& velocities,
                                   FrameReport& report, parallel::Executor& executor) {
+  velocities.impact_ns.clear();
   if (!input.manifolds.impacts) {
     leave_bouncing(input.manifolds, velocities, executor);
     return {};
@@ -339,6 +358,7 @@ solver::Convergence solve_impacts(const SolveInput& input, const PointCache& poi
   system.source = &source;
   const solver::Convergence ended = solver::solve_impacts(system, input.settings(), executor);
   report.degenerate = counts.degenerate.take(0);
+  keep_impacts(input.manifolds, velocities, executor);
   leave_bouncing(input.manifolds, velocities, executor);
   return ended;
 }

@@ -26,19 +26,27 @@ struct SolveInput {
   [[nodiscard]] solver::SolveSettings settings() const { return {terms.dt_s, terms.gravity_mps2, substeps, stopping}; }
 };
 
+/// Places for overlapping points that have been taken and are not used yet.
+struct alignas(64) OverlapRoom {
+  std::uint32_t next = 0, past = 0;
+  std::uint32_t at_once = 0;  ///< so many are taken next, or as many as a row has points
+};
+
 /// Output of *solve*: velocities after the step, and the impulses that made them. Invariant: buffers only grow.
 struct Velocities {
   bool everything = true;                                     ///< nothing is known of bodies at rest
   parallel::UnsetVector<solver::SolverBody> bodies;           ///< one a slot
   parallel::UnsetVector<solver::Acceleration> accelerations;  ///< SolverBody::acceleration: none, gravity, others
-  std::vector<Vec3> applied_impulse_ns;            ///< one a manifold: what b received from the contact solver
-  parallel::UnsetVector<solver::ContactRow> rows;  ///< in the order of the colouring; filled where there was an impact
-  solver::LaneMemory lane_memory;            ///< of overlaps while impacts are solved, then of contact points in lanes
+  std::vector<Vec3> applied_impulse_ns;      ///< one a manifold: what b received from the contact solver
+  parallel::UnsetVector<Vec3> impact_ns;     ///< one a manifold where there were impacts: what b received from them
+  solver::LaneMemory lane_memory;            ///< of rows while impacts are solved, then of contact points in lanes
+  std::span<solver::ContactRow> rows;        ///< in the order of the colouring; filled where there was an impact
   std::span<solver::OverlapPoint> overlaps;  ///< of the rows
   std::uint64_t point_count = 0;  ///< of the manifolds that the contact solver takes: all but those that bounce
   SweptContacts swept;            ///< with backtracking
 
   solver::SolveScratch scratch;
+  std::vector<OverlapRoom> overlap_rooms;        // scratch: one a worker
   std::vector<solver::PointContact> points;      // scratch: sphere contacts of the paper's model
   std::vector<std::uint32_t> points_begin;       // scratch, per manifold: likewise
   bool bounced = false;                          ///< some manifolds rebound: impacts answer them alone
@@ -47,11 +55,10 @@ struct Velocities {
   [[nodiscard]] const solver::Acceleration& acceleration_of(std::size_t slot) const {
     return accelerations[bodies[slot].acceleration];
   }
-  /// What impacts did to a manifold; null where there was none.
-  [[nodiscard]] const solver::ContactRow* row(const Manifolds& manifolds, std::size_t manifold) const {
-    if (!manifolds.impacts) return nullptr;
-    const std::uint32_t row = manifolds.coloring.places()[manifold];
-    return scratch.activations[row].ready ? &rows[row] : nullptr;
+  /// What b of a manifold received in the step, N s.
+  [[nodiscard]] Vec3 impulse_ns(std::size_t manifold) const {
+    const Vec3& applied_ns = applied_impulse_ns[manifold];
+    return impact_ns.empty() ? applied_ns : Vec3(applied_ns + impact_ns[manifold]);
   }
 };
 

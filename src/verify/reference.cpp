@@ -22,12 +22,6 @@ constexpr solver::Stopping kConverged{1e-10, 1U << 15U, 1e-2};
 
 using dynamics::BodyStore;
 
-double size_of_impulse(const Manifolds& manifolds, const Velocities& velocities, std::size_t manifold) {
-  const solver::ContactRow* row = velocities.row(manifolds, manifold);
-  const Vec3& applied_ns = velocities.applied_impulse_ns[manifold];
-  return row != nullptr ? (row->impact_ns() + applied_ns).norm() : applied_ns.norm();
-}
-
 const collision::TrueSurface& surface_of(const WorldState& world, const Reference& reference, std::uint32_t slot) {
   return *reference.surfaces[world.shape_of[slot]];
 }
@@ -54,9 +48,9 @@ std::vector<ComparedPair> impulses_of(const Run& run, std::span<const std::uint3
     pairs[i].b = full.table.pairs[i].b;
   }
   for (std::size_t m = 0; m < run.manifolds.manifolds.size(); ++m)
-    pairs[of_run[run.manifolds.manifolds[m].pair]].run_ns = size_of_impulse(run.manifolds, run.velocities, m);
+    pairs[of_run[run.manifolds.manifolds[m].pair]].run_ns = run.velocities.impulse_ns(m).norm();
   for (std::size_t m = 0; m < full.manifolds.manifolds.size(); ++m)
-    pairs[full.manifolds.manifolds[m].pair].reference_ns = size_of_impulse(full.manifolds, full.velocities, m);
+    pairs[full.manifolds.manifolds[m].pair].reference_ns = full.velocities.impulse_ns(m).norm();
   return pairs;
 }
 

@@ -13,11 +13,8 @@ namespace {
 // The impulse that b of each active pair received in a frame, N s.
 std::vector<Vec3> impulses_of(const PairTable& table, const Manifolds& manifolds, const Velocities& velocities) {
   std::vector<Vec3> impulses(table.size(), Vec3::Zero());
-  for (std::size_t m = 0; m < manifolds.manifolds.size(); ++m) {
-    Vec3& impulse_ns = impulses[manifolds.manifolds[m].pair];
-    impulse_ns = velocities.applied_impulse_ns[m];
-    if (const solver::ContactRow* row = velocities.row(manifolds, m)) impulse_ns += row->impact_ns();
-  }
+  for (std::size_t m = 0; m < manifolds.manifolds.size(); ++m)
+    impulses[manifolds.manifolds[m].pair] = velocities.impulse_ns(m);
   return impulses;
 }
 

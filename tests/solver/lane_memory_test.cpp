@@ -9,6 +9,7 @@
 
 #include "parallel/executor.h"
 #include "solver/contacts/contact_lanes.h"
+#include "solver/impacts/impact_row.h"
 
 namespace poise::solver {
 namespace {
@@ -39,6 +40,24 @@ TEST(LaneMemory, WhatWasReservedStaysWhereItIs) {
   EXPECT_EQ(static_cast<void*>(memory.use<MotionChange<double>>(100, *executor).data()), first);
   EXPECT_EQ(static_cast<void*>(memory.use_anew<MotionChange<float>>(200).data()), first);
   EXPECT_EQ(memory.use_anew<MotionChange<double>>(300).size(), 300U);
+}
+
+TEST(LaneMemory, HoldsTwoArraysAtOnceEachAlignedAndReserved) {
+  const std::unique_ptr<parallel::Executor> executor = parallel::make_executor(ExecutorKind::Serial, 1);
+  LaneMemory memory;
+  memory.reserve<ContactRow, OverlapPoint>(3, 24);
+  const void* const first = memory.use<MotionChange<double>>(1, *executor).data();
+  const auto [rows, overlaps] = memory.use_anew<ContactRow, OverlapPoint>(3, 24);
+  EXPECT_EQ(static_cast<void*>(rows.data()), first);
+  ASSERT_EQ(rows.size(), 3U);
+  ASSERT_EQ(overlaps.size(), 24U);
+  EXPECT_EQ(reinterpret_cast<std::uintptr_t>(rows.data()) % alignof(ContactRow), 0U);
+  EXPECT_EQ(reinterpret_cast<std::uintptr_t>(overlaps.data()) % alignof(OverlapPoint), 0U);
+  for (ContactRow& row : rows) row.gap_m = 1;
+  for (OverlapPoint& overlap : overlaps) overlap.restitution = 2;
+  EXPECT_EQ(rows.back().gap_m, 1);
+  EXPECT_EQ(overlaps.back().restitution, 2);
+  EXPECT_TRUE((memory.use_anew<ContactRow, OverlapPoint>(0, 0).second.empty()));
 }
 
 }  // namespace
