@@ -226,7 +226,7 @@ TEST_P(HeldUpReader, FindsAllAsItWasWhenItBegan) {
       moved.angular_velocity_radps += Vec3(0.1, 0.2, 0.3);
       EXPECT_TRUE(stage.world.set_state(body, moved).ok());
     }
-    input.budget = Budget::within(std::chrono::milliseconds(100));
+    input.budget = Budget::within(std::chrono::milliseconds(250));
     EXPECT_EQ(stage.world.step(input).jobs_abandoned, 1U);
     executor.let_go();
     state.settle();
