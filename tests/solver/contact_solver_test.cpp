@@ -5,7 +5,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <random>
+#include <vector>
 
 #include "solver/contact_bench.h"
 
@@ -296,6 +298,81 @@ TEST(Rest, ThreadsDoNotShow) {
       ASSERT_EQ(one.bodies[i].turned_rad, many.bodies[i].turned_rad);
     }
   }
+}
+
+// A plate on balls of like mass on the ground: more pairs of the plate than there are colours, and so few points that
+// iterations are extrapolated in double precision unless bodies collide, which one plain iteration finds out.
+Bench plate(double falls_mps) {
+  constexpr int kSide = 13;
+  Bench bench;
+  bench.settings.gravity_mps2 = Vec3(0, 0, -9.81);
+  const auto ground = bench.add_body(0);
+  const auto top = bench.add_body(3, Vec3(0, 0, 1.2), Vec3(0, 0, -falls_mps));
+  bench.inverse_inertia[top] = Mat3::Identity() / 40;
+  for (int i = 0; i < kSide * kSide; ++i) {
+    const double x = i % kSide - 0.5 * (kSide - 1);
+    const double y = static_cast<double>(i / kSide) - 0.5 * (kSide - 1);
+    const auto ball = bench.add_body(1, Vec3(x, y, 0.5), Vec3(0, 0, -falls_mps));
+    bench.add_pair(ground, ball, Vec3::UnitZ(), {Vec3(x, y, 0)}, 0.5);
+    bench.add_pair(ball, top, Vec3::UnitZ(), {Vec3(x, y, 1)}, 0.5);
+  }
+  return bench;
+}
+
+// What it did, a step.
+std::vector<Convergence> three_steps(Bench& bench, ContactSolver& solver) {
+  std::vector<Convergence> made;
+  for (int step = 0; step < 3; ++step) made.push_back(solver.solve(bench.system(), bench.settings, *bench.executor));
+  return made;
+}
+
+// A solver keeps its lanes from step to step, of two precisions in the same memory, and gives up an attempt in single
+// precision where nothing collides.
+TEST(Rest, WhatASolverDidBeforeDoesNotShow) {
+  const std::vector<std::function<Bench()>> scenes = {[] { return plate(0); }, [] { return layer(1); },
+                                                      [] { return plate(3); },
+                                                      [] {
+                                                        Bench boxes;
+                                                        stack(boxes, 30);
+                                                        return boxes;
+                                                      },
+                                                      [] { return plate(0); }};
+  ContactSolver used;
+  for (std::size_t k = 0; k < scenes.size(); ++k) {
+    Bench after_others = scenes[k]();
+    Bench by_itself = scenes[k]();
+    ContactSolver fresh;
+    const std::vector<Convergence> with_used = three_steps(after_others, used);
+    const std::vector<Convergence> with_fresh = three_steps(by_itself, fresh);
+    for (std::size_t step = 0; step < with_used.size(); ++step) {
+      EXPECT_EQ(with_used[step].point_iterations, with_fresh[step].point_iterations) << k;
+      EXPECT_EQ(with_used[step].reached, with_fresh[step].reached) << k;
+    }
+    for (std::size_t i = 0; i < by_itself.bodies.size(); ++i) {
+      ASSERT_EQ(after_others.bodies[i].velocity_mps, by_itself.bodies[i].velocity_mps) << k << ' ' << i;
+      ASSERT_EQ(after_others.bodies[i].spin_radps, by_itself.bodies[i].spin_radps) << k << ' ' << i;
+      ASSERT_EQ(after_others.bodies[i].moved_m, by_itself.bodies[i].moved_m) << k << ' ' << i;
+    }
+    for (std::size_t p = 0; p < by_itself.forces.size(); ++p) {
+      ASSERT_EQ(after_others.forces[p].normal_n, by_itself.forces[p].normal_n) << k << ' ' << p;
+      ASSERT_EQ(after_others.forces[p].friction_n, by_itself.forces[p].friction_n) << k << ' ' << p;
+    }
+  }
+}
+
+// Nothing of an attempt that is given up is left in the bodies: what stands still stands, as with the attempt's result
+// it would not, and what collides is answered by the attempt alone.
+TEST(Rest, AnAttemptInSinglePrecisionIsGivenUpWhereNothingCollides) {
+  Bench still = plate(0);
+  const Convergence rests = still.solve();
+  ASSERT_EQ(still.coloring.shared().size(), 1U);
+  const std::uint64_t points = still.points.size();
+  EXPECT_EQ(rests.point_iterations, kMixedIterationCost * points * rests.iterations) << "in double precision";
+  for (int step = 0; step < 20; ++step) still.solve();
+  for (const SolverBody& body : still.bodies) EXPECT_LT(body.velocity_mps.norm(), 1e-4);
+  Bench falling = plate(3);
+  const Convergence collides = falling.solve();
+  EXPECT_EQ(collides.point_iterations, points * collides.iterations) << "plain ones";
 }
 
 // A column of equal bodies at rest on the ground: the impulse below body k carries all bodies above.

@@ -5,6 +5,7 @@
 #include <rapidcheck/gtest.h>
 
 #include <array>
+#include <cmath>
 
 namespace poise::solver {
 namespace {
@@ -88,6 +89,54 @@ TEST(Impact, FiveBallsInARowPassTheMotionOn) {
   for (std::uint32_t i = 0; i < 4; ++i) bench.add_row(i, i + 1, Vec3::UnitX(), Vec3::Zero(), Vec3::Zero(), 1);
   bench.impacts();
   for (std::size_t i = 0; i < 5; ++i) EXPECT_NEAR(bench.bodies[i].velocity_mps.x(), i == 4 ? 1 : 0, 1e-9);
+}
+
+// Balls that fly at one in their middle, each along its own line: more rows of a body than there are colours, so that
+// most are looked at side by side and answered one after another.
+Bench swarm(double hub_kg, double restitution, int threads) {
+  constexpr int kBalls = 300;
+  Bench bench;
+  bench.executor = parallel::make_executor(ExecutorKind::Threads, threads);
+  const auto hub = bench.add_body(hub_kg, Vec3::Zero());
+  for (int i = 0; i < kBalls; ++i) {
+    const double height = 1 - (2.0 * i + 1) / kBalls;
+    const double angle = 2.4 * i;
+    const double across = std::sqrt(1 - height * height);
+    const Vec3 out(across * std::cos(angle), across * std::sin(angle), height);
+    const auto ball = bench.add_body(1, -(1 + 0.01 * i) * out);
+    bench.add_row(hub, ball, out, Vec3::Zero(), Vec3::Zero(), restitution);
+  }
+  bench.impacts();
+  return bench;
+}
+
+TEST(Impact, OfMoreRowsThanThereAreColoursReboundsEachByItself) {
+  for (const double e : {0.0, 0.5, 1.0}) {
+    const Bench bench = swarm(1e9, e, 1);
+    ASSERT_LT(bench.coloring.shared_begin(), bench.rows.size() / 2) << "most rows have no colour of their own";
+    for (const ContactRow& row : bench.rows) {
+      const std::uint32_t i = row.b - 1;
+      EXPECT_NEAR(row.wrench.direction.dot(bench.bodies[row.b].velocity_mps), e * (1 + 0.01 * i), 1e-5)
+          << e << ' ' << i;
+    }
+  }
+}
+
+TEST(Impact, OfMoreRowsThanThereAreColoursKeepsMomentumAndAddsNoEnergy) {
+  for (const double hub_kg : {0.1, 1.0, 500.0}) {
+    for (const double e : {0.0, 0.5, 1.0}) {
+      Vec3 momentum = Vec3::Zero();
+      double energy_j = 0;
+      for (int i = 0; i < 300; ++i) energy_j += 0.5 * (1 + 0.01 * i) * (1 + 0.01 * i);
+      const Bench one = swarm(hub_kg, e, 1);
+      for (const ContactRow& row : one.rows) momentum -= (1 + 0.01 * (row.b - 1)) * row.wrench.direction;
+      EXPECT_LT((one.momentum() - momentum).norm(), 1e-10) << hub_kg << ' ' << e;
+      EXPECT_LE(one.energy(), energy_j * (1 + 1e-12)) << hub_kg << ' ' << e;
+      const Bench three = swarm(hub_kg, e, 3);
+      for (std::size_t i = 0; i < one.bodies.size(); ++i)
+        ASSERT_EQ(one.bodies[i].velocity_mps, three.bodies[i].velocity_mps) << hub_kg << ' ' << e << ' ' << i;
+    }
+  }
 }
 
 RC_GTEST_PROP(Impact, AnyWrenchKeepsMomentumAndNeverAddsEnergy, ()) {
