@@ -281,6 +281,7 @@ Status World::set_importance(BodyId body, double importance) {
   if (!contains(body)) return stale_body(body);
   if (auto bad = check_range("importance", importance, 0, simulation::kMaxImportance)) return *bad;
   simulation::end_sliced_step(*state_);
+  state_->settle();
   state_->bodies.importance[body.slot] = importance;
   return Done{};
 }

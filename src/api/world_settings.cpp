@@ -133,6 +133,7 @@ Result<std::uint64_t> World::user_data(BodyId body) const {
 Status World::set_user_data(BodyId body, std::uint64_t user_data) {
   if (!contains(body)) return stale_body(body);
   simulation::end_sliced_step(*state_);
+  state_->settle();
   state_->bodies.user_data[body.slot] = user_data;
   return Done{};
 }

@@ -9,7 +9,7 @@ namespace {
 static_assert(Contact::kMostPoints == collision::kMaxManifoldPoints);
 
 // Makes the mean forces of the points in the last substep their impulses in the whole step.
-void share_out(const Vec3& whole_ns, std::span<ContactPoint> points) {
+void share_out(const Vec3& whole_ns, double dt_s, std::span<ContactPoint> points) {
   Vec3 borne = Vec3::Zero();
   double load = 0;
   for (const ContactPoint& point : points) {
@@ -17,7 +17,9 @@ void share_out(const Vec3& whole_ns, std::span<ContactPoint> points) {
     load += std::abs(point.impulse_ns.dot(point.normal));
   }
   const double square = borne.squaredNorm();
-  const double scale = square > 0 ? std::max(0.0, whole_ns.dot(borne)) / square : 0.0;
+  // Forces that hold each other in balance say little of what the pair gave: no point had its force for longer than the
+  // step took.
+  const double scale = square > 0 ? std::clamp(whole_ns.dot(borne) / square, 0.0, dt_s) : 0.0;
   const Vec3 left = whole_ns - scale * borne;
   for (ContactPoint& point : points) {
     const double share =
@@ -45,7 +47,7 @@ void list_points(const ListedPair& listed, double sign, Contact& contact) {
     point.impulse_ns = sign * (load.normal_n * placed.normal + load.friction_n);
   }
   contact.point_count = static_cast<std::uint8_t>(count);
-  share_out(contact.impulse_ns, std::span(contact.point_slots).first(count));
+  share_out(contact.impulse_ns, listed.dt_s, std::span(contact.point_slots).first(count));
 }
 
 void merge_points(const Contact& from, Contact& into) {

@@ -49,7 +49,10 @@ void write_points(const ManifoldsInput& input, std::size_t i, PairPoints& made, 
   const PlacedPair where = placed_pair(input, pair);
   collision::PairContact coarsest;
   const collision::PairContact& contact = contact_of(input.scene, input.motion, pair, progress, found, coarsest);
-  const collision::ManifoldPoint impact = collision::impact_point(contact, where.a.rotation);
+  collision::ManifoldPoint impact = collision::impact_point(contact, where.a.rotation);
+  // Points are in the middle between the surfaces.
+  const std::optional<double> share = share_of_ball(input.motion, pair);
+  if (share && progress.level.level == 0) impact.point_m += ((0.5 - *share) * impact.gap_m) * impact.normal;
   RenewedPoints renewed;
   renewed.found[0] = &impact;
   const std::span<const collision::ManifoldPoint> points = input.levels.found.points_of(found);
@@ -142,19 +145,9 @@ void update_separations(const ManifoldsInput& input, const ActivePair& pair, Pai
   made.looked_m = pair.cached->moved_m;
 }
 
-Material mixed(const SceneView& scene, const ActivePair& pair) {
-  const Material& a = scene.materials[scene.bodies.material[pair.a]];
-  const Material& b = scene.materials[scene.bodies.material[pair.b]];
-  if (&a == &b) return a;
-  Material both;
-  both.restitution = std::max(a.restitution, b.restitution);
-  both.friction = std::sqrt(a.friction * b.friction);
-  return both;
-}
-
 void fill_manifold(const ManifoldsInput& input, std::size_t i, const PairPoints& points, solver::Manifold& manifold) {
   const ActivePair& pair = input.table.pairs[i];
-  const Material material = mixed(input.scene, pair);
+  const Material material = input.scene.mixed_material(pair.a, pair.b);
   manifold.a = pair.a;
   manifold.b = pair.b;
   manifold.point_begin = static_cast<std::uint32_t>(PointCache::manifold_begin(points.slot, points.point_count));
@@ -171,13 +164,22 @@ struct PointsTo {
   PointCache& cache;
   SlotAllocator& slots;
   int worker;
+  bool read = false;  // those of the last step may still be read (CompletedLevels::jobs_left): they stay as they are
 };
 
-// A slot that has room for the points of a pair: its own, or another.
-void find_slot(PairPoints& made, const PointsTo& to) {
-  if (made.slot != kNoSlot && PointCache::room_of(made.slot) >= made.point_count) return;
-  if (made.slot != kNoSlot) to.slots.give_back(made.slot, to.worker);
+// A slot that has room for the points of a pair: its own, or another. Points that are changed where they are, of a pair
+// on a ball, go there too.
+void find_slot(const PairProgress& progress, PairPoints& made, const PointsTo& to) {
+  const bool from_cache = progress.from_cache();
+  const bool stays = to.read && (!from_cache || progress.on_ball);
+  if (made.slot != kNoSlot && PointCache::room_of(made.slot) >= made.point_count && !stays) return;
+  const std::uint32_t old = made.slot;
   made.slot = to.slots.take(to.cache, made.point_count, to.worker);
+  if (old == kNoSlot) return;
+  to.slots.give_back(old, to.worker);
+  if (!from_cache) return;
+  std::ranges::copy(to.cache.points_of(old, made.point_count), to.cache.points_of(made.slot, made.point_count).begin());
+  std::ranges::copy(to.cache.forces_of(old, made.point_count), to.cache.forces_of(made.slot, made.point_count).begin());
 }
 
 // Points of one pair, and whether the solver takes them: one of them is nearer than the margin.
@@ -186,7 +188,7 @@ void make_points_of(const ManifoldsInput& input, std::size_t i, PairPoints& made
   const ActivePair& pair = input.table.pairs[i];
   const PairProgress& progress = input.levels.progress[i];
   const bool from_cache = progress.from_cache();
-  find_slot(made, to);
+  find_slot(progress, made, to);
   if (!from_cache) write_points(input, i, made, cache);
   if (progress.on_ball) center_points(input, pair, from_cache, cache.points_of(made.slot, made.point_count));
   if (from_cache && !knows_separations(pair, progress)) {
@@ -244,12 +246,19 @@ void make_points(const ManifoldsInput& input, PointCache& cache, Manifolds& mani
   manifolds.points.resize(table.size());
   parallel::reserve_anew(manifolds.of_chunk, table.capacity());
   manifolds.of_chunk.resize(table.size());
+  const auto workers = static_cast<std::size_t>(executor.concurrency());
+  bool read = input.levels.jobs_left;
+  if (read && SlotAllocator::grows(cache, table.size(), workers)) {
+    // What they read cannot stay where it is.
+    executor.settle();
+    read = false;
+  }
   // Any pair may gain points in any frame.
   manifolds.slots.begin(cache, table.size(), table.capacity(), executor);
   const bool distant = table.size() > parallel::kPairsAtHand;
   parallel::Tickets places;
   parallel::parallel_for(executor, table.chunks(), kChunkGrain, [&](std::size_t first, std::size_t past, int worker) {
-    const PointsTo to{cache, manifolds.slots, worker};
+    const PointsTo to{cache, manifolds.slots, worker, read};
     for (std::size_t chunk = first; chunk < past; ++chunk) {
       SolvedCount& count = manifolds.solved_of_chunk[chunk];
       ChunkManifolds of_chunk;
@@ -314,6 +323,16 @@ void list_manifolds(const ManifoldsInput& input, Manifolds& manifolds, FrameRepo
 }
 
 }  // namespace
+
+std::optional<double> share_of_ball(const PredictedMotion& motion, const ActivePair& pair) {
+  const BodyBounds& a = motion.body_bounds[pair.a];
+  const BodyBounds& b = motion.body_bounds[pair.b];
+  if (a.place != BodyBounds::Place::Ball) return std::nullopt;
+  // At the end of the ball.
+  if (b.plane) return 0.0;
+  if (b.place != BodyBounds::Place::Ball) return std::nullopt;
+  return a.root_radius_m / (a.root_radius_m + b.root_radius_m);
+}
 
 const collision::PairContact& contact_of(const SceneView& scene, const PredictedMotion& motion, const ActivePair& pair,
                                          const PairProgress& progress, const FoundContact& found,

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <vector>
 
 #include "frame/refine/refine.h"
@@ -61,6 +62,10 @@ struct Manifolds {
 /// Writes the points of the pairs into `points`, and lists the manifolds.
 void make_manifolds(const ManifoldsInput& input, PointCache& points, Manifolds& manifolds, FrameReport& report,
                     parallel::Executor& executor);
+
+/// Where the contact of level 0 of a ball and a plane, or of two balls, is: so much of the gap away from a. Of other
+/// pairs, whose surfaces are not those of their root spheres, nothing is said.
+std::optional<double> share_of_ball(const PredictedMotion& motion, const ActivePair& pair);
 
 /// The contact of a pair whose points are not cached: what its level found, or at level 0 that of its root spheres,
 /// which is made in `coarsest`.

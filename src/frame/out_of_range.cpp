@@ -18,7 +18,7 @@ void forget_contacts_of(std::span<const std::uint32_t> slots, const PairTable& t
   }
   for (SweptHit& hit : velocities.swept.hits) {
     const ActivePair& pair = table.pairs[hit.pair];
-    if (one_of(pair.a) || one_of(pair.b)) hit.impulse_ns = 0;
+    if (one_of(pair.a) || one_of(pair.b)) hit.impulse_ns.setZero();
   }
 }
 

@@ -24,7 +24,8 @@ double motion_bound_m(const PredictInput& input, std::size_t slot) {
   return (speed + acceleration * input.terms.dt_s) * input.terms.dt_s;
 }
 
-BodyBounds make_body_bounds(const PredictInput& input, const collision::Pose& pose, std::size_t i) {
+BodyBounds make_body_bounds(const PredictInput& input, const collision::Pose& pose, const Mat3& inverse_inertia,
+                            std::size_t i) {
   const dynamics::BodyStore& bodies = input.scene.bodies;
   const double dt_s = input.terms.dt_s;
   const Shape& shape = *bodies.shape[i];
@@ -49,9 +50,13 @@ BodyBounds make_body_bounds(const PredictInput& input, const collision::Pose& po
   made.estimated_radius_m = made.root_radius_m - collision::coarsest_lift_m(shape);
   if (!bodies.moves(i)) return made;
   made.velocity_mps = bodies.velocity(i);
-  // The surface moves by the spin at most across the body.
-  made.own_m = std::min(bodies.spin(i).norm() * dt_s, 2.0) * made.radius_m;
-  if (bodies.pushed[i] != 0) made.own_m += bodies.force(i).norm() * bodies.inverse_mass[i] * dt_s * dt_s;
+  double turned_rad = bodies.spin(i).norm() * dt_s;
+  if (bodies.pushed[i] != 0) {
+    turned_rad += (inverse_inertia * bodies.torque(i)).norm() * dt_s * dt_s;
+    made.own_m = bodies.force(i).norm() * bodies.inverse_mass[i] * dt_s * dt_s;
+  }
+  // The surface turns at most across the body.
+  made.own_m += std::min(turned_rad, 2.0) * made.radius_m;
   return made;
 }
 
@@ -133,7 +138,7 @@ void predict(const PredictInput& input, PredictedMotion& motion, parallel::Execu
       motion.poses[i] = {bodies.position(i), bodies.orientation(i).toRotationMatrix()};
       motion.inverse_inertia[i] = dynamics::inverse_inertia_world(bodies, i);
       motion.spins_radps[i] = bodies.spin(i);
-      motion.body_bounds[i] = make_body_bounds(input, motion.poses[i], i);
+      motion.body_bounds[i] = make_body_bounds(input, motion.poses[i], motion.inverse_inertia[i], i);
       if (motion.body_bounds[i].plane && planes.get() == 0) planes.set(1);
     }
   });

@@ -116,7 +116,7 @@ Contact contact_at(const PublishInput& input, const PointCache& points, std::siz
   Contact contact = contact_outline(input, points, m);
   contact.gap_m = solved_gap_m(input.solved_pair(points), index);
   contact.impulse_ns = sign * input.velocities.impulse_ns(m);
-  list_points({input.motion, points, pair, input.manifolds.points[index]}, sign, contact);
+  list_points({input.motion, points, pair, input.manifolds.points[index], input.table.terms.dt_s}, sign, contact);
   return contact;
 }
 
@@ -141,7 +141,7 @@ void add_swept_contacts(const PublishInput& input, std::span<const BodyId> remov
     contact.normal = sign * hit.normal;
     contact.point_m = hit.point_m;
     contact.gap_m = hit.gap_m;
-    contact.impulse_ns = hit.impulse_ns * contact.normal;
+    contact.impulse_ns = sign * hit.impulse_ns;
     contact.point_slots[0] = {contact.point_m, contact.normal, contact.gap_m, contact.impulse_ns};
     contact.point_count = 1;
     contacts.push_back(contact);
@@ -328,7 +328,7 @@ void publish(const PublishInput& input, ContactCache& cache, ContactEvents& even
       touch_changed[hit.pair] ^= 1U;
       publication.touch_ns[hit.pair].setZero();
     }
-    publication.touch_ns[hit.pair] += (pair.a == pair.low() ? hit.impulse_ns : -hit.impulse_ns) * hit.normal;
+    publication.touch_ns[hit.pair] += (pair.a == pair.low() ? 1.0 : -1.0) * hit.impulse_ns;
     touching = true;
   }
   make_events(input, publication, cache, events, executor);
@@ -353,9 +353,9 @@ std::vector<Contact> list_contacts(const PublishInput& input, const PointCache& 
   const Manifolds& manifolds = input.manifolds;
   std::vector<Contact> contacts;
   for (std::size_t m = 0; m < manifolds.manifolds.size(); ++m) {
+    // Asked first: of a body that was removed there is no shape any more.
+    if (was_removed(removed, input.table.pairs[manifolds.manifolds[m].pair])) continue;
     if (listing != ContactListing::Solved && !touches(input, points, m)) continue;
-    const std::uint32_t pair = manifolds.manifolds[m].pair;
-    if (was_removed(removed, input.table.pairs[pair])) continue;
     contacts.push_back(contact_at(input, points, m));
   }
   add_swept_contacts(input, removed, contacts);

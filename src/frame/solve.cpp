@@ -134,12 +134,16 @@ class PairRows final : public solver::RowSource {
     if (progress.from_cache()) {
       row.arm_m = single.arm_m;
       row.wrench = {single.normal, row.arm_m.cross(single.normal), (row.arm_m - row.a_to_b_m).cross(single.normal)};
+      move_to_surface(pair, 0.5, single.gap_m, row);
     } else {
       collision::PairContact coarsest;
       const collision::PairContact& contact =
           contact_of(input_.scene, input_.motion, pair, progress, input_.levels.found.of(progress), coarsest);
       row.arm_m = contact.arm_m;
       row.wrench = {contact.direction, contact.moment_a_m, contact.moment_b_m};
+      const bool refined = progress.level.level > 0;
+      const std::optional<double> share = refined ? 0.5 : share_of_ball(input_.motion, pair);
+      if (share) move_to_surface(pair, *share, refined ? contact.estimated_separation_m : contact.spheres_m, row);
     }
     const auto& inverse_mass = input_.scene.bodies.inverse_mass;
     const auto& inverse_inertia = input_.motion.inverse_inertia;
@@ -154,6 +158,14 @@ class PairRows final : public solver::RowSource {
   }
 
  private:
+  // Where the impulse acts by share_of_gap, for a contact point that is at `share` of the gap.
+  void move_to_surface(const ActivePair& pair, double share, double gap_m, solver::ContactRow& row) const {
+    const auto& inverse_mass = input_.scene.bodies.inverse_mass;
+    const double wanted = solver::share_of_gap(inverse_mass[pair.a], inverse_mass[pair.b]);
+    // Moments about the normal are the same anywhere along it.
+    if (wanted == 0 || wanted == 1) row.arm_m += ((wanted - share) * gap_m) * row.wrench.direction.normalized();
+  }
+
   // May a point of the pair penetrate, by the separations that *manifolds* knows and how far they can have changed?
   static bool may_overlap(const ActivePair& pair, const PairProgress& progress, const PairPoints& points) {
     constexpr double kRoundingOfSkin = 1e-6;

@@ -12,6 +12,12 @@ constexpr std::size_t kSlotGrain = 1024;
 
 }  // namespace
 
+std::size_t SlotAllocator::points_before_pairs(const PointCache& cache, std::size_t workers) {
+  std::size_t left_over = 0;
+  for (const std::uint8_t points : PointCache::kPointsOfSize) left_over += kBlock * points;
+  return cache.points.size() + workers * left_over;
+}
+
 void SlotAllocator::begin(PointCache& cache, std::size_t pairs, std::size_t most_pairs, parallel::Executor& executor) {
   const auto workers = static_cast<std::size_t>(executor.concurrency());
   if (rooms_.size() < workers) rooms_.resize(workers);
@@ -38,13 +44,10 @@ void SlotAllocator::begin(PointCache& cache, std::size_t pairs, std::size_t most
 
   added_.reset();
   points_before_ = cache.points.size();
-  std::size_t left_over = 0;
-  for (std::size_t size = 0; size < PointCache::kSizes; ++size) left_over += kBlock * PointCache::kPointsOfSize[size];
-  const std::size_t before_pairs = points_before_ + workers * left_over;
-  const std::size_t most = before_pairs + kPointsOfPair * pairs;
+  const std::size_t most = most_points(cache, pairs, workers);
   if (most > cache.points.capacity()) {
     // Half as much again for what the pairs of later frames will have.
-    const std::size_t room = before_pairs + kPointsOfPair * most_pairs * 3 / 2;
+    const std::size_t room = points_before_pairs(cache, workers) + kPointsOfPair * most_pairs * 3 / 2;
     parallel::reserve(executor, cache.points, room);
     parallel::reserve(executor, cache.forces, room);
   }

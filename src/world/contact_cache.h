@@ -74,6 +74,10 @@ struct PointCache {
 /// of any result. Invariant: buffers only grow.
 class SlotAllocator {
  public:
+  /// Does begin() for so many pairs move what is in the cache elsewhere?
+  [[nodiscard]] static bool grows(const PointCache& cache, std::size_t pairs, std::size_t workers) {
+    return most_points(cache, pairs, workers) > cache.points.capacity();
+  }
   /// Memory for what `pairs` pairs may need at most, or where that has to grow `most_pairs`, at least as many; pages
   /// that are never used stay untouched. Released slots are free from here on.
   void begin(PointCache& cache, std::size_t pairs, std::size_t most_pairs, parallel::Executor& executor);
@@ -93,6 +97,11 @@ class SlotAllocator {
     std::vector<std::uint32_t> left;
   };
   void refill(const PointCache& cache, std::size_t size, Room& room);
+  // With what workers may have left over.
+  static std::size_t points_before_pairs(const PointCache& cache, std::size_t workers);
+  static std::size_t most_points(const PointCache& cache, std::size_t pairs, std::size_t workers) {
+    return points_before_pairs(cache, workers) + kPointsOfPair * pairs;
+  }
 
   std::vector<Room> rooms_;  // one a worker
   std::array<parallel::Tickets, PointCache::kSizes> taken_;

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -33,6 +35,16 @@ struct SceneView {
   std::span<const Material> materials;
 
   [[nodiscard]] const ShapeFacts& facts_of(std::size_t slot) const { return shapes[shape_of[slot]]; }
+  /// Of the contact of two bodies.
+  [[nodiscard]] Material mixed_material(std::size_t slot_a, std::size_t slot_b) const {
+    const Material& a = materials[bodies.material[slot_a]];
+    const Material& b = materials[bodies.material[slot_b]];
+    if (&a == &b) return a;
+    Material both;
+    both.restitution = std::max(a.restitution, b.restitution);
+    both.friction = std::sqrt(a.friction * b.friction);
+    return both;
+  }
 };
 
 }  // namespace poise::simulation

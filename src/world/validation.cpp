@@ -98,6 +98,13 @@ Result<BodyMass> mass_of(const BodyDefinition& definition, const Shape& shape, d
       mass.principal_kgm2.maxCoeff() > 1e60) {
     return bad_input("inertia_kgm2: what shape and mass give is not a positive finite inertia");
   }
+  const double least_kgm2 = kLeastOfInertia * mass.mass_kg * shape.bounding_radius_m * shape.bounding_radius_m;
+  if (mass.principal_kgm2.minCoeff() < least_kgm2) {
+    const Vec3& inertia = mass.principal_kgm2;
+    return bad_input(fmt::format(
+        "inertia_kgm2 = [{}, {}, {}], each must be >= {} (the mass times the square of the bounding radius, times {})",
+        inertia.x(), inertia.y(), inertia.z(), least_kgm2, kLeastOfInertia));
+  }
   return mass;
 }
 

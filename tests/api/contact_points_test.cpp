@@ -2,6 +2,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <random>
+#include <vector>
 
 #include "frame/scenes.h"
 #include "geometry/meshes.h"
@@ -146,6 +148,38 @@ TEST(ContactEvents, ThatPersistAreToldOnlyWhenAskedFor) {
     EXPECT_TRUE(std::ranges::equal(others, plain.world.contact_events(), same));
   }
   EXPECT_GT(persisted, 200U);
+}
+
+// Without gravity all that changes a velocity is a contact.
+TEST(ContactPoints, ImpulsesOfContactsAreWhatTheirBodiesReceived) {
+  WorldSettings settings;
+  settings.executor = ExecutorKind::Serial;
+  Stage stage(settings, 0.3);
+  std::mt19937_64 random(5);
+  const auto unit = [&] { return static_cast<double>(random() >> 11U) * 0x1.0p-53 - 0.5; };
+  const ShapeId jack = stage.jack();
+  for (int i = 0; i < 24; ++i) {
+    Vec3 place = Vec3::Zero();
+    for (double& part : place) part = 5 * unit();
+    stage.add(jack, place, -place, Vec3(6 * unit(), 6 * unit(), 6 * unit()));
+  }
+  std::size_t contacts = 0;
+  for (int frame = 0; frame < 120; ++frame) {
+    std::vector<Vec3> expected;
+    for (const BodyId body : stage.bodies)
+      expected.push_back(stage.world.mass_kg(body).value() * stage.at(body).velocity_mps);
+    stage.world.step(step_of(kStepS));
+    for (const Contact& contact : stage.world.contacts()) {
+      expected[contact.a.slot] -= contact.impulse_ns;
+      expected[contact.b.slot] += contact.impulse_ns;
+      ++contacts;
+    }
+    for (std::size_t i = 0; i < expected.size(); ++i) {
+      const double kg = stage.world.mass_kg(stage.bodies[i]).value();
+      EXPECT_LT((kg * stage.at(stage.bodies[i]).velocity_mps - expected[i]).norm(), 1e-9 * kg) << frame;
+    }
+  }
+  EXPECT_GT(contacts, 200U);
 }
 
 }  // namespace

@@ -155,5 +155,24 @@ TEST(Contacts, OfAWorldThatWasNeverSteppedAreNone) {
   EXPECT_TRUE(stage.world.contacts().empty());
 }
 
+// Two balls that nearly touch, so that a step takes them for a contact, and what is told of it when one is gone.
+TEST(Contacts, AreNoneOfABodyThatIsGone) {
+  for (const ContactModel model : {ContactModel::Paper, ContactModel::Wrench, ContactModel::Fitted}) {
+    for (const bool replaced : {false, true}) {
+      WorldSettings settings;
+      settings.threads = 1;
+      settings.contact = model;
+      Stage stage(settings);
+      const ShapeId ball = stage.ball(0.5);
+      const BodyId one = stage.add(ball, Vec3::Zero());
+      stage.add(ball, Vec3(1.0005, 0, 0));
+      ASSERT_EQ(stage.world.step(step_of(1.0 / 60)).contact_pairs, 1U);
+      ASSERT_TRUE(stage.world.remove_body(one).ok());
+      if (replaced) stage.plane(Vec3::UnitZ(), -5);
+      EXPECT_TRUE(stage.world.contacts().empty());
+    }
+  }
+}
+
 }  // namespace
 }  // namespace poise

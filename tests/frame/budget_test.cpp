@@ -346,6 +346,41 @@ TEST(Capacity, AFullFrontLeavesThePairAtItsLevelAndIsCounted) {
   }
 }
 
+// Many waiting fronts of few entries: a pool has room for fewer of them than for their entries.
+TEST(Capacity, ManyShortFrontsAreRefusedAlikeOnAnyNumberOfThreads) {
+  std::vector<Sphere> balls;
+  for (int i = 0; i < 512; ++i) balls.push_back({Vec3((i - 255.5) * 2.0 / 512, 0, 0), 0.02});
+  const ShapePtr rod = make_spheres_shape(balls).value();
+  std::uint64_t expected = 0;
+  for (const int threads : {1, 2, 3}) {
+    WorldSettings settings = falling();
+    settings.max_front_entries = 4096;
+    settings.threads = threads;
+    Stage stage(settings, 0.2);
+    stage.tray(5);
+    const ShapeId shape = stage.world.add_shape(rod);
+    std::mt19937_64 random(7);
+    const auto unit = [&] { return static_cast<double>(random() >> 11U) * 0x1.0p-53 - 0.5; };
+    for (int i = 0; i < 160; ++i) {
+      // Layer on layer, each across the one below it.
+      const bool across = i / 16 % 2 != 0;
+      const double along_m = 0.12 * (i % 16 - 7.5);
+      const double height_m = 0.03 + 0.04 * (i / 16);
+      Vec3 velocity = Vec3::Zero();
+      for (double& part : velocity) part = 0.1 * unit();
+      stage.add(shape, across ? Vec3(along_m, 0, height_m) : Vec3(0, along_m, height_m), velocity, Vec3::Zero(),
+                across ? Quat(std::sqrt(0.5), 0, 0, std::sqrt(0.5)) : Quat(1, 0, 0, 0));
+    }
+    std::size_t full = 0;
+    StepInput input = step_of(1.0 / 60);
+    input.budget = Budget::work(1'000'000'000);
+    for (int i = 0; i < 10; ++i) full += stage.world.step(input).fronts_full;
+    EXPECT_GT(full, 0U);
+    if (expected == 0) expected = stage.world.state_hash();
+    EXPECT_EQ(stage.world.state_hash(), expected) << threads;
+  }
+}
+
 TEST(Capacity, FrontsThatWaitForTheirTurnFillNoPoolUnderADeadline) {
   WorldSettings settings = falling();
   settings.max_front_entries = 512;  // less than the first levels of all pairs

@@ -169,6 +169,15 @@ TEST_P(HeldUp, WorkerIsWaitedForBeforeItsWorldIsChangedOrEnds) {
     EXPECT_TRUE(stage.world.remove_body(stage.bodies.back()).ok());
     stage.bodies.pop_back();
   }
+  // What else its scores are made of.
+  {
+    const std::jthread later = held_step();
+    EXPECT_TRUE(stage.world.set_importance(stage.bodies.back(), 2).ok());
+  }
+  {
+    const std::jthread later = held_step();
+    EXPECT_TRUE(stage.world.set_user_data(stage.bodies.back(), 7).ok());
+  }
   std::jthread later = held_step();
   { const World ended = std::move(stage.world); }
 }
@@ -210,6 +219,9 @@ TEST_P(HeldUpReader, FindsAllAsItWasWhenItBegan) {
         make_mesh_shape(test::box_mesh(Vec3(0.6, 0.6, 0.6)), {.depth = 1, .preset = TreePreset::Fast}).value());
     for (int i = 0; i < 27; ++i)
       stage.add(box, Vec3(-1, -1, 0.5) + 0.9 * Vec3(i % 3, i / 3 % 3, i / 9), Vec3::Zero(), Vec3(0.1, 0.2, 0.1 * i));
+    // Points of pairs on balls are changed where they are.
+    const ShapeId ball = stage.ball(0.2);
+    for (int i = 0; i < 9; ++i) stage.add(ball, Vec3(-1, -1, 3) + 0.9 * Vec3(i % 3, i / 3, 0));
     StepInput input = step_of(1.0 / 60);
     input.polygons = true;
     input.view = {true, Vec3(-12, 0, 4)};
@@ -253,6 +265,7 @@ TEST_P(HeldUpReader, FindsAllAsItWasWhenItBegan) {
     ASSERT_EQ(b.has_cues, a.has_cues);
     if (a.has_cues) {
       EXPECT_EQ(b.cues.closing_mps, a.cues.closing_mps);
+      EXPECT_EQ(b.cues.angle_radpm, a.cues.angle_radpm);
       EXPECT_EQ(b.cues.attended, a.cues.attended);
       EXPECT_EQ(b.cues.gap_rad, a.cues.gap_rad);
     }

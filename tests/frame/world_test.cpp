@@ -61,6 +61,7 @@ TEST(World, RefusesEveryKindOfBadBodyAndStaysAsItWas) {
       {"mass_kg", [](BodyDefinition& b) { b.mass_kg = kInfinity; }},
       {"each must be finite and > 0", [](BodyDefinition& b) { b.inertia_kgm2 = Vec3(1, 0, 1); }},
       {"triangle inequality", [](BodyDefinition& b) { b.inertia_kgm2 = Vec3(1, 1, 2.1); }},
+      {"the square of the bounding radius", [](BodyDefinition& b) { b.inertia_kgm2 = Vec3(1, 1, 1e-13); }},
       {"importance", [](BodyDefinition& b) { b.importance = -1; }},
       {"must be at rest",
        [](BodyDefinition& b) {

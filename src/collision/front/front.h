@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -28,6 +29,8 @@ class EntryBuffer {
   alignas(FrontEntry) std::array<std::byte, kEntries * sizeof(FrontEntry)> bytes_;
 };
 
+/// Of a reference to a segment; the others name the worker.
+inline constexpr std::uint32_t kSegmentIndexBits = 24;
 /// Reference to a segment of a FrontPool.
 struct SegmentRef {
   static constexpr std::uint32_t kNone = 0xffffffffU;
@@ -50,9 +53,13 @@ class alignas(64) FrontPool {
  public:
   explicit FrontPool(std::uint32_t max_entries)
       : entry_bytes_(new std::byte[sizeof(FrontEntry) * max_entries]),
-        segment_bytes_(new std::byte[sizeof(FrontSegment) * (max_entries / kEntriesPerSegment + 1)]),
+        segment_bytes_(new std::byte[sizeof(FrontSegment) * segments_for(max_entries)]),
         max_entries_(max_entries),
-        max_segments_(max_entries / kEntriesPerSegment + 1) {}
+        max_segments_(segments_for(max_entries)) {}
+  /// How many segments a pool for so many entries has. One index less than there are is used: that of no segment.
+  [[nodiscard]] static std::uint32_t segments_for(std::uint32_t max_entries) {
+    return std::min(max_entries / kEntriesPerSegment + 1, (1U << kSegmentIndexBits) - 1U);
+  }
 
   void clear() { entry_count_ = segment_count_ = 0; }
   /// Free entries, for the next segment; empty when the pool is full.
@@ -70,7 +77,8 @@ class alignas(64) FrontPool {
     entry_count_ += count;
     return segment_count_++;
   }
-  /// Frees everything allocated after a mark: a level that does not complete is discarded whole.
+  /// Frees everything allocated after a mark, which is how much there was: a level that does not complete is discarded
+  /// whole.
   struct Mark {
     std::uint32_t entries, segments;
   };

@@ -131,7 +131,6 @@ ManifoldPoint impact_point(const PairContact& contact, const Mat3& rotation_a);
 template <class Visit>
 void for_each_segment(std::span<const FrontPool> pools, SegmentRef front, Visit&& visit);
 
-inline constexpr std::uint32_t kSegmentIndexBits = 24;
 inline SegmentRef segment_ref(int worker, std::uint32_t index) {
   return {static_cast<std::uint32_t>(worker) << kSegmentIndexBits | index};
 }

@@ -243,7 +243,29 @@ class Events {
     return turn * input_.scene.bodies.principal_kgm2[trajectory.slot].cwiseInverse().asDiagonal() * turn.transpose();
   }
 
-  // One impulse, as solve_impacts gives it.
+  // Where two bodies rub each other.
+  struct Rubbing {
+    Vec3 normal, arm_a_m, arm_b_m;
+    Mat3 inverse_inertia_a, inverse_inertia_b;
+  };
+  // Coulomb friction: what stops the slip, or as much as `most_ns`. What b received.
+  static Vec3 rub(const Rubbing& at, double most_ns, solver::SolverBody& a, solver::SolverBody& b) {
+    Vec3 slip = b.velocity_mps + b.spin_radps.cross(at.arm_b_m) - a.velocity_mps - a.spin_radps.cross(at.arm_a_m);
+    slip -= slip.dot(at.normal) * at.normal;
+    const double speed = slip.norm();
+    if (!(most_ns > 0) || !(speed > 0)) return Vec3::Zero();
+    const Vec3 across = -slip / speed;
+    solver::Wrench wrench{across, at.arm_a_m.cross(across), at.arm_b_m.cross(across)};
+    solver::Turns turns;
+    if (!solver::prepare_wrench(a.inverse_mass, at.inverse_inertia_a, b.inverse_mass, at.inverse_inertia_b, wrench,
+                                turns))
+      return Vec3::Zero();
+    const double impulse_ns = std::min(most_ns, speed * wrench.effective_mass);
+    solver::apply_impulse(wrench, turns, impulse_ns, a, b);
+    return impulse_ns * across;
+  }
+
+  // One impulse and its friction, as solve_impacts gives them.
   void answer(std::uint32_t k, const TimeOfImpact& impact, Trajectory& a, Trajectory& b) {
     const ActivePair& pair = pair_of(k);
     const dynamics::BodyStore& bodies = input_.scene.bodies;
@@ -267,16 +289,20 @@ class Events {
     const double closing = solver::approach_mps(wrench, body_a, body_b);
     // A body that stands since it was hit may have a velocity away from what has reached it: that one then only stops.
     if (closing <= 0) return;
-    const double restitution = std::max(input_.scene.materials[bodies.material[pair.a]].restitution,
-                                        input_.scene.materials[bodies.material[pair.b]].restitution);
+    const Material material = input_.scene.mixed_material(pair.a, pair.b);
+    const double e = material.restitution;
     const double still = solver::still_mps(input_.settings());
-    const double lambda = (1.0 + (restitution * closing > still ? restitution : 0.0)) * closing * wrench.effective_mass;
+    const double lambda = (1.0 + (e * closing > still ? e : 0.0)) * closing * wrench.effective_mass;
     solver::apply_impulse(wrench, turns, lambda, body_a, body_b);
+    const double length = contact.direction.norm();
+    const Rubbing rubbing{contact.direction / length, contact.arm_m,
+                          contact.arm_m - (impact.b.position_m - impact.a.position_m), inverse_inertia(a),
+                          inverse_inertia(b)};
+    const Vec3 across_ns = rub(rubbing, material.friction * lambda * length, body_a, body_b);
     take(a, body_a);
     take(b, body_b);
-    const double length = contact.direction.norm();
-    swept_.hits.push_back({pairs_[k].pair, contact.direction / length, impact.a.position_m + contact.arm_m,
-                           impact.contact.gap_m, lambda * length});
+    swept_.hits.push_back({pairs_[k].pair, rubbing.normal, impact.a.position_m + contact.arm_m, impact.contact.gap_m,
+                           lambda * contact.direction + across_ns});
     ++report_.swept_hits;
   }
 

@@ -49,7 +49,7 @@ struct SweptHit {
   Vec3 normal = Vec3::UnitZ();  ///< from a to b
   Vec3 point_m = Vec3::Zero();
   double gap_m = 0;
-  double impulse_ns = 0;  ///< that b received along the normal
+  Vec3 impulse_ns = Vec3::Zero();  ///< that b received
 };
 
 /// A time of impact in the queue; stale if that of the pair has been computed again since.

@@ -34,6 +34,35 @@ struct Refinement {
   }
 };
 
+// Of pools of fronts.
+struct FrontRoom {
+  std::uint64_t entries = 0, segments = 0;
+  [[nodiscard]] bool holds(const FrontRoom& needed) const {
+    return needed.entries <= entries && needed.segments <= segments;
+  }
+  friend FrontRoom operator+(const FrontRoom& a, const FrontRoom& b) {
+    return {a.entries + b.entries, a.segments + b.segments};
+  }
+};
+
+// What the next level of a pair may take at most.
+FrontRoom worst_of(const collision::PairLevel& level, std::uint64_t units) {
+  // Polygons make no front.
+  if (level.next_is_polygons()) return {};
+  // All pairs of children of each entry, and the nearest of them once more; each entry in a run of its own, which makes
+  // a segment of each of the two lists.
+  return {units * (kTreeBranching * kTreeBranching + 1), units * 2};
+}
+
+// What one pool would have left if all that is in them were in it.
+FrontRoom room_in(std::span<const collision::FrontPool> pools, std::uint32_t max_entries) {
+  FrontRoom used;
+  for (const collision::FrontPool& pool : pools) used = used + FrontRoom{pool.mark().entries, pool.mark().segments};
+  const std::uint64_t segments = collision::FrontPool::segments_for(max_entries);
+  return {max_entries - std::min<std::uint64_t>(max_entries, used.entries),
+          segments - std::min(segments, used.segments)};
+}
+
 // The work clock, and no limit at all: rounds whose members depend on scores and charges alone.
 void refine_by_rounds(const Refinement& refinement, std::uint64_t budget_units) {
   constexpr std::size_t kRoundGrain = 8;
@@ -58,24 +87,21 @@ void refine_by_rounds(const Refinement& refinement, std::uint64_t budget_units) 
   for (std::uint32_t i = 0; i < all.size(); ++i) {
     if (all[i].refinable()) add(i);
   }
-  // Whether fronts fit is decided from worst cases before a round, not by whose pool fills up first: a result must
-  // not depend on threads.
-  std::uint64_t room = input.max_front_entries;
   for (;;) {
     const std::span<const scheduler::Candidate> round = rounds.next_round();
     if (round.empty()) break;
-    // In slices whose worst cases fit.
+    // Whether fronts fit is decided from worst cases beforehand, not by whose pool fills up first: a result must not
+    // depend on threads. In slices whose worst cases fit.
     for (std::size_t first = 0; first < round.size();) {
-      std::uint64_t worst = 0;
+      const FrontRoom room = room_in(refinement.resources.pools, input.max_front_entries);
+      FrontRoom worst;
       std::size_t end = first;
       for (; end < round.size(); ++end) {
         PairProgress& pair = all[round[end].pair];
-        // All pairs of children of each entry, and the nearest of them once more. Polygons make no front.
-        const std::uint64_t could_make =
-            pair.level.next_is_polygons() ? 0 : std::uint64_t{round[end].units} * (kTreeBranching * kTreeBranching + 1);
-        if (worst + could_make > room && end > first) break;
-        pair.full = worst + could_make > room;
-        if (!pair.full) worst += could_make;
+        const FrontRoom with_it = worst + worst_of(pair.level, round[end].units);
+        if (!room.holds(with_it) && end > first) break;
+        pair.full = !room.holds(with_it);
+        if (!pair.full) worst = with_it;
       }
       const std::span<const scheduler::Candidate> slice = round.subspan(first, end - first);
       parallel::parallel_for(refinement.executor, slice.size(), kRoundGrain,
@@ -92,14 +118,6 @@ void refine_by_rounds(const Refinement& refinement, std::uint64_t budget_units) 
                                               refinement.levels.tallies[static_cast<std::size_t>(worker)]);
                                }
                              });
-      for (const scheduler::Candidate& chosen : slice) {
-        const PairProgress& pair = all[chosen.pair];
-        const bool cached =
-            !pair.level.by_polygons() && (pair.level.refinable() || input.terms.contact == ContactModel::Paper);
-        if (pair.full || !cached) continue;
-        const bool sampled = pair.level.points.bits != pair.level.front.bits;
-        room -= std::min<std::uint64_t>(room, pair.level.front_entries + (sampled ? pair.level.point_entries : 0U));
-      }
       first = end;
     }
     for (const scheduler::Candidate& chosen : round) {
@@ -191,6 +209,7 @@ void begin_levels(const PairTable& table, CompletedLevels& levels, parallel::Exe
   levels.cues.resize(table.size());
   levels.known = table.known_of_chunk.back();
   levels.substeps = 0;
+  levels.jobs_left = false;
   levels.reused.clear();
   levels.held.clear();
   levels.tallies.assign(static_cast<std::size_t>(executor.concurrency()), WorkerTally{});
@@ -281,6 +300,7 @@ void refine(const RefineInput& given, const RefineResources& resources, Complete
       report.status = StepStatus::ReplayDiffers;
   } else if (budget.kind == Budget::Kind::Deadline) {
     refine_until_cut(input, resources, refinement.facts, levels, report, executor);
+    levels.jobs_left = report.jobs_abandoned > 0;
     if (resources.log != nullptr) log_degraded(levels, report.degraded, *resources.log);
   } else if (budget.kind == Budget::Kind::Unlimited && input.terms.contact != ContactModel::Paper) {
     refine_everything(refinement);

@@ -110,6 +110,7 @@ struct CompletedLevels {
   parallel::Waits waits;               ///< under a deadline: of the calling thread, for jobs of others
   int substeps = 0;                    ///< of the contact solver, where the frame is degraded to fewer; else 0
   bool learns = false;                 ///< FrameDecisions::learns
+  bool jobs_left = false;              ///< some that nobody waits for may still read what refinement reads
 
   HeldIslands held;
   IslandSums islands;                 ///< scratch

@@ -122,6 +122,7 @@ void return_angular_momentum(const SplitSystem& system, const ContactBlock& bloc
     TwoMotions after = before;
     if (!give(bodies, -static_cast<double>(shared.reduced_mass[lane]) * added, after)) return;
     const Vec3 impulse_ns = bodies.reduced_kg * (after.apart_mps - before.apart_mps);
+    system.applied_impulse_ns[block.pair[lane]] += impulse_ns;
     a.velocity_mps -= a.inverse_mass * impulse_ns;
     b.velocity_mps += b.inverse_mass * impulse_ns;
     a.spin_radps = after.spin_a_radps;

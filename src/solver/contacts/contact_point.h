@@ -33,6 +33,14 @@ struct PlacedPoint {
   double certain_separation_m = 0;  ///< >= gap_m; below zero they certainly penetrate there
 };
 
+/// Where two bodies push each other, as a share of the gap between their surfaces from a on: in the middle, the same
+/// place for both; at the surface of the one that yields where the other does not. A pair is answered up to half a step
+/// before or after it meets, and friction would take the gap for a part of the lever.
+HWY_INLINE double share_of_gap(double inverse_mass_a, double inverse_mass_b) {
+  if (inverse_mass_b == 0) return 0;
+  return inverse_mass_a == 0 ? 1 : 0.5;
+}
+
 HWY_INLINE PlacedPoint placed_point(const collision::Pose& a, const collision::Pose& b, const ContactPoint& point) {
   PlacedPoint now;
   now.normal.noalias() = b.rotation * point.normal;

@@ -113,6 +113,9 @@ void fill(const LaneSources& sources, PairLanes<T>& shared, StartLanes<T>& start
     const Bodies a = bodies_of(d, sources.a + lane);
     const Bodies b = bodies_of(d, sources.b + lane);
     const V inverse_mass = hn::Add(a.inverse_mass, b.inverse_mass);
+    // As share_of_gap.
+    const V share =
+        hn::IfThenElse(hn::Eq(b.inverse_mass, zero), zero, hn::IfThenElse(hn::Eq(a.inverse_mass, zero), one, half));
     const auto moves = hn::Gt(inverse_mass, zero);
     const V unit_kg = hn::IfThenElseZero(moves, hn::Div(one, hn::IfThenElse(moves, inverse_mass, one)));
     put(d, hn::Mul(unit_kg, a.inverse_mass), shared.dynamic_a + lane);
@@ -160,7 +163,7 @@ void fill(const LaneSources& sources, PairLanes<T>& shared, StartLanes<T>& start
       const Triple<V> arm_a = turned(pose_a.rotation, {on_a.at[0], on_a.at[1], on_a.at[2]});
       const V gap = hn::Add(dot(normal, difference(a_to_b, arm_a)), on_b.at[3]);
       put(d, normal, into.normal, lane);
-      put(d, sum(arm_a, scaled(hn::Mul(half, gap), normal)), into.arm, lane);
+      put(d, sum(arm_a, scaled(hn::Mul(share, gap), normal)), into.arm, lane);
       put(d, gap, into.gap + lane);
       put(d, hn::Add(hn::Add(gap, on_a.at[3]), slop), into.certain + lane);
       put(d, hn::IfThenElseZero(lanes_of(d, present, 0), one), into.mass + lane);

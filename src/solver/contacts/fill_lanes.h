@@ -24,7 +24,7 @@ struct LaneSources {
 };
 
 /// Fills the lanes of a block but for what prepare_block() completes: contact points placed at the poses of their
-/// bodies (placed_point in contact_point.h, with the same bits), forces as impulses.
+/// bodies (placed_point in contact_point.h, with the same bits, but their arms by share_of_gap), forces as impulses.
 void fill_lanes(const LaneSources& sources, PairLanes<float>& shared, StartLanes<float>& start,
                 std::span<PointLanes<float>> manifold_points);
 void fill_lanes(const LaneSources& sources, PairLanes<double>& shared, StartLanes<double>& start,
