@@ -175,13 +175,13 @@ void add_study_compliance_options(CLI::App& command, StudyComplianceOptions& o) 
   command
       .add_option("--alpha", o.alphas, "Shares of frames that may miss, with commas between them (default 0.01,0.001)")
       ->delimiter(',')
-      ->check(CLI::Range(1e-5, 0.5))
+      ->check(numbers_within(1e-5, 0.5))
       ->type_name("LIST");
   command
       .add_option("--populations", o.populations,
                   "Multiples of what full refinement serves, with commas (default 0.5,1,2,4,8)")
       ->delimiter(',')
-      ->check(CLI::Range(0.01, 100.0))
+      ->check(numbers_within(0.01, 100.0))
       ->type_name("LIST");
   add_whole(command, "--bodies", o.bodies, 10, kMostBodies,
             "How many bodies full refinement serves, instead of finding out");

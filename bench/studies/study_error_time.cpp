@@ -180,7 +180,7 @@ void add_study_error_time_options(CLI::App& command, StudyErrorTimeOptions& o) {
             "Frames that each steps by itself from a state; the last one is measured (default 10)");
   command.add_option("--deadlines", o.deadlines_ms, "Deadlines in ms, with commas (default 0.4,0.6,0.8,1.2,2)")
       ->delimiter(',')
-      ->check(CLI::Range(0.001, 1e6))
+      ->check(numbers_within(0.001, 1e6))
       ->type_name("LIST");
   command.add_option("--policies", o.policies, "Policies under deadlines, with commas (default perceptual,random)")
       ->delimiter(',')

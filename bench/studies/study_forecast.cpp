@@ -71,7 +71,7 @@ void add_study_forecast_options(CLI::App& command, StudyForecastOptions& o) {
       .add_option("--alpha", o.alphas,
                   "Shares of frames that may take longer, with commas between them (default 0.01,0.001)")
       ->delimiter(',')
-      ->check(CLI::Range(1e-5, 0.5))
+      ->check(numbers_within(1e-5, 0.5))
       ->type_name("LIST");
   command.add_flag("--undisturbed", o.undisturbed,
                    "Leave out frames of which the machine took time away, to see the program's own variation alone");

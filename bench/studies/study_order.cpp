@@ -271,7 +271,7 @@ void add_study_order_options(CLI::App& command, StudyOrderOptions& o) {
       ->type_name("LIST");
   command.add_option("--deadlines", o.deadlines_ms, "Deadlines in ms, with commas between them (default 3,4,6)")
       ->delimiter(',')
-      ->check(CLI::Range(0.001, 1e6))
+      ->check(numbers_within(0.001, 1e6))
       ->type_name("LIST");
   add_number(command, "--budget", o.budget_percent, 0, true, 100,
              "Counted work instead of deadlines, in % of full refinement of each frame");

@@ -79,7 +79,7 @@ Status check_study_times(const StudyTimesOptions& o) {
                                       {"--picture", o.picture.png},
                                       {"--picture-dark", o.picture.png_dark},
                                       {"--svg", o.picture.svg}},
-                                     {});
+                                     {{"--scene", o.scene}});
   return apart ? can_write({o.json, o.markdown, o.picture.png, o.picture.png_dark, o.picture.svg}) : apart;
 }
 

@@ -126,7 +126,7 @@ Status check_timing_options(const StudyTimingOptions& o) {
 #endif
   const Result<TreeCacheSettings> cache = tree_cache_settings(o.tree_cache);
   if (!cache) return cache.error();
-  return check_outputs({{"--json", o.json}, {"--markdown", o.markdown}}, {});
+  return check_outputs({{"--json", o.json}, {"--markdown", o.markdown}}, {{"--scene", o.scene}});
 }
 
 ExecutorKind timed_executor(const StudyTimingOptions& o, int threads) {

@@ -5,6 +5,7 @@
 #include <csignal>
 #include <cstdio>
 #include <exception>
+#include <iostream>
 #include <string_view>
 
 #include "app/capture/export_command.h"
@@ -60,7 +61,10 @@ int run(int argc, char** argv) {
     if (dynamic_cast<const CLI::ExtrasError*>(&stop) != nullptr)
       std::fputs(poise::app::argument_hints(app).c_str(), stderr);
     if (code != 0) return poise::app::kExitBadUsage;
-    return std::fflush(stdout) == 0 ? poise::app::kExitDone : poise::app::kExitOutputFailed;
+    const bool written = std::cout.flush().good() && std::fflush(stdout) == 0 && std::ferror(stdout) == 0;
+    if (written) return poise::app::kExitDone;
+    std::fprintf(stderr, "poise: standard output: cannot be written\n");
+    return poise::app::kExitOutputFailed;
   }
   if (app.get_subcommands().empty()) {
     std::fprintf(stderr, "poise: a command is required; poise --help lists them\n");

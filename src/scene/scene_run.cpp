@@ -135,7 +135,10 @@ Status SceneRun::Impl::add_tray() {
                                             {-Vec3::UnitY(), -half_m}};
   for (const auto& [normal, offset_m] : planes) {
     const Result<ShapePtr> shape = make_plane_shape(normal, offset_m);
-    if (!shape) return shape.error();
+    if (!shape) {
+      return Error{shape.error().kind,
+                   fmt::format("{}: tray: a side of {:g} m: {}", scene.source, tray_side_m, shape.error().message)};
+    }
     shapes.push_back(shape.value());
     shape_ids.push_back(world.add_shape(shape.value()));
     BodyDefinition definition;

@@ -210,4 +210,20 @@ Result<LoadedShapes> load_shapes(const Scene& scene, const LoadSettings& setting
   return loaded;
 }
 
+std::vector<std::filesystem::path> files_of(const Scene& scene) {
+  std::vector<std::filesystem::path> files;
+  const auto add = [&](const std::filesystem::path& file) {
+    if (!file.empty()) files.push_back(file.is_absolute() ? file : scene.base / file);
+  };
+  for (const SceneShape& shape : scene.shapes) {
+    if (const auto* mesh = std::get_if<MeshSource>(&shape.source)) add(mesh->file);
+    if (const auto* tree = std::get_if<TreeSource>(&shape.source)) {
+      add(tree->file);
+      add(tree->mesh);
+    }
+  }
+  if (scene.gaze) add(scene.gaze->file);
+  return files;
+}
+
 }  // namespace poise::io

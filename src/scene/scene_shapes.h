@@ -35,6 +35,9 @@ Result<ShapePtr> load_without_building(const Scene& scene, const SceneShape& sha
 /// The mesh of a shape, scaled and rotated as in the scene.
 Result<TriangleMesh> scene_mesh(const Scene& scene, const MeshSource& source);
 
+/// The files that a scene names: of its shapes and its gaze. None of them is opened.
+std::vector<std::filesystem::path> files_of(const Scene& scene);
+
 /// File and field of a shape, for messages: `pile.json: shapes.jack.mesh`.
 std::string place_of(const Scene& scene, const SceneShape& shape);
 

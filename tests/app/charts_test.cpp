@@ -76,6 +76,13 @@ bool has_text(const app::BoxChart& chart, const std::string& text) {
   return std::ranges::any_of(chart.texts, [&](const app::ChartText& t) { return t.text == text; });
 }
 
+TEST(FrameChart, NumbersFramesAsTheirRunDoes) {
+  std::vector<simulation::RunFrame> frames(3, frame_of(1));
+  for (std::size_t i = 0; i < frames.size(); ++i) frames[i].report.frame = 1234 + i;
+  const app::BoxChart chart = app::frame_chart("pile", std::nullopt, frames);
+  for (const char* number : {"1234", "1235", "1236"}) EXPECT_TRUE(has_text(chart, number)) << number;
+}
+
 TEST(LevelChart, StacksPairsByLevelAndNamesThoseThereAre) {
   std::vector<simulation::RunFrame> frames(2);
   frames[0].report.level_histogram = {10, 0, 30};

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
+#include <iterator>
 #include <string>
 #include <vector>
 
@@ -97,6 +98,10 @@ TEST(Refusals, OfBadUsageEndWithTwo) {
           run({"--frames-dir", "film"}, "--frames-dir"),
           run({"--require", "miss_rate <"}, "must be a name or a number"),
           run({"--require", ""}, "--require"),
+          run({"--affinity", "", "--executor", "threads"}, "--affinity: must not be empty"),
+          run({"--picture", "a.png", "--camera", ""}, "--camera: must not be empty"),
+          run({"--picture", "a.png", "--picture-size", ""}, "--picture-size: must not be empty"),
+          {{"study", "order", "--deadlines", "nan"}, "must be a number >= 0.001"},
           run({"--require", "mis_rate < 1"}, "no figure of a run is called \"mis_rate\"; did you mean \"miss_rate\"?"),
       });
 }
@@ -123,6 +128,47 @@ TEST(Refusals, OfBadInputEndWithThree) {
   EXPECT_EQ(folder.entries(), 3U);
 }
 
+// Whatever a command reads stays as it is.
+TEST(Refusals, OfOutputsIntoFilesThatAreReadEndWithTwo) {
+  const TemporaryFolder folder;
+  const auto text_of = [&](const char* name) {
+    std::ifstream file(folder.file(name));
+    return std::string(std::istreambuf_iterator<char>(file), {});
+  };
+  std::ofstream(folder.file("scene.json")) << R"({"name": "x", "dt_s": 0.01, "frames": 2, "deadline_ms": 5,
+             "camera": {"position_m": [0, -8, 2], "look_at_m": [0, 0, 0], "up": [0, 0, 1], "gaze": {"file": "g.csv"}},
+             "materials": {"m": {"density_kgpm3": 1000}},
+             "shapes": {"s": {"mesh": {"file": "four.obj", "depth": 1}}},
+             "bodies": [{"shape": "s", "material": "m", "position_m": [0, 0, 0]}]})";
+  std::ofstream(folder.file("g.csv")) << "time_s,x_px,y_px\n0,1,1\n";
+  std::ofstream(folder.file("four.obj")) << "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n";
+  std::ofstream(folder.file("mine.json")) << R"({"schema": "poise.policy/1", "name": "mine", "policy": {}})";
+  const std::string mesh = text_of("four.obj"), gaze = text_of("g.csv"), policy = text_of("mine.json");
+  const std::string scene = folder.file("scene.json");
+  const std::string record = folder.file("r.poise");
+  ASSERT_EQ(poise_command({"run", scene, "--quiet", "--record", record}).exit_code, 0)
+      << poise_command({"run", scene, "--quiet", "--record", record}).error;
+  const std::string of_scene = "would overwrite the file that is read as a file of the scene";
+  expect_refusals(
+      2, {
+             {{"run", scene, "--json", folder.file("four.obj")}, of_scene},
+             {{"run", scene, "--states", folder.file("g.csv")}, of_scene},
+             {{"run", scene, "--policy", folder.file("mine.json"), "--json", folder.file("mine.json")},
+              "read as --policy"},
+             {{"check", scene, "--json", folder.file("four.obj")}, of_scene},
+             {{"compare", scene, "--csv", folder.file("four.obj")}, of_scene},
+             {{"compare", scene, "--policies", "fifo," + folder.file("mine.json"), "--json", folder.file("mine.json")},
+              "read as --policies"},
+             {{"compare", scene, "--from-policy", folder.file("mine.json"), "--csv", folder.file("mine.json")},
+              "read as --from-policy"},
+             {{"replay", record, "--json", folder.file("four.obj")}, of_scene},
+             {{"study", "cost", "--scene", scene, "--json", scene}, "read as --scene"},
+         });
+  EXPECT_EQ(text_of("four.obj"), mesh);
+  EXPECT_EQ(text_of("g.csv"), gaze);
+  EXPECT_EQ(text_of("mine.json"), policy);
+}
+
 TEST(Refusals, OfOutputEndWithFourAndLeaveNothingBehind) {
   const TemporaryFolder folder;
   expect_refusals(
@@ -136,7 +182,9 @@ TEST(Refusals, OfOutputEndWithFourAndLeaveNothingBehind) {
          });
   for (const std::vector<std::string>& arguments : {std::vector<std::string>{"run", "two-body", "--frames", "2"},
                                                     {"run", "two-body", "--frames", "2", "--quiet", "--json", "-"},
-                                                    {"scenes"}}) {
+                                                    {"scenes"},
+                                                    {"--version"},
+                                                    {"run", "--help"}}) {
     const CommandResult result = poise_command_into("/dev/full", arguments);
     EXPECT_EQ(result.exit_code, 4) << result.error;
     EXPECT_NE(result.error.find("standard output: cannot be written"), std::string::npos) << result.error;

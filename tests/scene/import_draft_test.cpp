@@ -147,6 +147,28 @@ TEST(ImportDraft, OverwritesNoMeshOfTheModel) {
   EXPECT_EQ(contents(own), contents(POISE_SOURCE_DIR "/scenes/meshes/slab.obj"));
 }
 
+TEST(ImportDraft, ThatIsRefusedLeavesAllAsItWas) {
+  const TemporaryFolder folder;
+  const auto draft = [&](const std::string& size, const std::string& more) {
+    const auto read = io::import_mjcf(
+        "<mujoco><asset><mesh name='gone' file='gone.obj'/></asset><worldbody>"
+        "<geom type='cylinder' size='" +
+            size + "'/>" + more + "</worldbody></mujoco>",
+        "m.xml", folder.path(), false);
+    EXPECT_TRUE(read.ok());
+    return read.value();
+  };
+  ASSERT_TRUE(io::write_draft(draft("1 2", ""), {}, folder.file("s.json")).ok());
+  const std::string mesh = folder.file("s-meshes/cylinder-1.obj");
+  const std::string before = contents(mesh);
+  ASSERT_FALSE(before.empty());
+  EXPECT_FALSE(io::write_draft(draft("1 3", "<geom type='mesh' mesh='gone'/>"), {}, folder.file("s.json")).ok());
+  EXPECT_EQ(contents(mesh), before);
+  std::filesystem::create_symlink("/dev/full", folder.file("full.json"));
+  EXPECT_FALSE(io::write_draft(draft("1 2", ""), {}, folder.file("full.json")).ok());
+  EXPECT_FALSE(std::filesystem::exists(folder.file("full-meshes")));
+}
+
 TEST(ImportGltf, MakesABodyOfEachNodeWithAMesh) {
   io::GltfImportSettings settings;
   settings.fixed = {"plank"};

@@ -46,6 +46,22 @@ TEST(AtomicFile, KeepsLinksAndTheModeOfWhatItReplaces) {
   EXPECT_EQ(status.st_mode & 0777U, 0640U);
 }
 
+TEST(AtomicFile, FollowsLinksToWhatIsNotThereYet) {
+  const TemporaryFolder folder;
+  std::filesystem::create_directory(folder.file("d"));
+  std::filesystem::create_symlink("d/real", folder.file("link"));
+  std::filesystem::create_symlink("link", folder.file("other"));
+  ASSERT_TRUE(write_file(folder.file("other"), "new"));
+  EXPECT_TRUE(std::filesystem::is_symlink(folder.file("link")));
+  EXPECT_TRUE(std::filesystem::is_symlink(folder.file("other")));
+  EXPECT_EQ(contents(folder.file("d/real")), "new");
+  std::filesystem::create_symlink("loop", folder.file("loop"));
+  const Status looped = write_file(folder.file("loop"), "new");
+  ASSERT_FALSE(looped);
+  EXPECT_NE(looped.error().message.find("Too many levels of symbolic links"), std::string::npos);
+  EXPECT_TRUE(std::filesystem::is_symlink(folder.file("loop")));
+}
+
 std::string part(const TemporaryFolder& folder, const std::string& name, int number) {
   return folder.file("." + name + "." + std::to_string(number) + ".part");
 }

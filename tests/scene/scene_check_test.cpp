@@ -92,6 +92,16 @@ TEST(SceneCheck, TellsWhatDoesNotFitItsTray) {
   EXPECT_NE(tray(R"("gravity_mps2": [0, 0, 3], )", "2").find("does not point down"), std::string::npos);
 }
 
+TEST(SceneCheck, TellsATrayThatIsTooWide) {
+  const io::SceneCheck check = check_of(scene_text(
+      R"("tray": {"material": "hard", "side_per_sqrt_body_m": 1e9}, "generators": [{"grid": {"count": [3, 3, 3],
+         "spacing_m": 2, "shapes": ["ball"], "material": "hard"}}], )",
+      R"([{"shape": "ball", "material": "hard", "position_m": [0, 0, 3]}])"));
+  ASSERT_EQ(check.errors.size(), 1U);
+  EXPECT_EQ(check.errors[0].rfind("s.json: tray: a side of 5.19615e+09 m: offset_m = -2598076211", 0), 0U)
+      << check.errors[0];
+}
+
 TEST(SceneCheck, TellsADeadlineThatCannotBeKept) {
   const std::string many = R"("generators": [{"grid": {"shape": "ball", "material": "hard", "spacing_m": 2,
     "count": [30, 30, 30], "origin_m": [0, 0, 9]}}], )";

@@ -84,6 +84,8 @@ int check_command(const CheckOptions& options) {
   }
   const Result<Scene> scene = parse_scene_text(text.value(), check.errors);
   if (!scene) return tell(options, text.value().name, check);
+  const Status keeps = check_scene_files({{"--json", options.json}}, scene.value());
+  if (!keeps) return refuse("check", kExitBadUsage, keeps.error().message);
   io::SceneCheckOptions asked;
   asked.bodies = options.bodies;
   asked.seed = options.seed;

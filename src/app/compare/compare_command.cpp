@@ -70,6 +70,8 @@ int compare(const CompareOptions& options) {
   Result<Scene> scene = parse_scene_text(text.value(), errors);
   for (const std::string& error : errors) refuse("compare", kExitBadInput, error);
   if (!scene) return exit_code_of(scene.error());
+  const Status apart = check_compare_files(options, scene.value());
+  if (!apart) return refuse("compare", kExitBadUsage, apart.error().message);
   if (options.bodies && scene.value().generators.empty()) {
     return refuse("compare", kExitBadUsage, "--bodies: the scene " + scene.value().name + " has no generators");
   }

@@ -10,6 +10,7 @@
 #include <string_view>
 
 #include "app/files/output_files.h"
+#include "app/files/scene_input.h"
 #include "app/options/option_values.h"
 #include "app/options/suggestions.h"
 #include "app/report/figures_page.h"
@@ -91,6 +92,13 @@ Status read_budgets(const std::string& text, bool wall, CompareSettings& setting
   const auto twice = std::adjacent_find(settings.budgets.begin(), settings.budgets.end());
   if (twice != settings.budgets.end()) return bad_input(fmt::format("--budgets: {:g} is given twice", *twice));
   return Done{};
+}
+
+// Calls check(all files that a comparison writes).
+template <class Check>
+Status with_outputs(const CompareOptions& options, Check&& check) {
+  const std::string page = figures_page_of(options.report);
+  return check({{"--json", options.json}, {"--csv", options.csv}, {"--svg", options.svg}, {"--report", page}});
 }
 
 }  // namespace
@@ -219,12 +227,20 @@ Result<CompareSettings> compare_settings(const CompareOptions& options, const sc
   if (options.serve && options.scene == "-") return bad_input("--serve reads policies where SCENE = - reads a scene");
   if (options.csv == "-" || options.svg == "-") return bad_input("only --json can go to the standard output");
   if (options.report == "-") return bad_input("--report must be a folder");
-  const std::string page = figures_page_of(options.report);
-  const Status files =
-      check_outputs({{"--json", options.json}, {"--csv", options.csv}, {"--svg", options.svg}, {"--report", page}},
-                    {{"SCENE", options.scene}});
+  const Status files = with_outputs(options, [&](std::initializer_list<NamedFile> outputs) {
+    Status apart = check_outputs(outputs, {{"SCENE", options.scene}, {"--from-policy", options.from_policy}});
+    for (const Competitor& competitor : settings.competitors) {
+      if (apart && competitor.file) apart = check_outputs(outputs, {{"--policies", competitor.name}});
+    }
+    return apart;
+  });
   if (!files) return files.error();
   return settings;
+}
+
+Status check_compare_files(const CompareOptions& options, const Scene& scene) {
+  return with_outputs(options,
+                      [&](std::initializer_list<NamedFile> outputs) { return check_scene_files(outputs, scene); });
 }
 
 }  // namespace poise::app

@@ -38,6 +38,8 @@ void add_compare_options(CLI::App& command, CompareOptions& options);
 /// The settings by the options; `policy` is that of the scene, whose weights all policies keep. Refused, as one line:
 /// names, numbers and options that contradict each other.
 Result<CompareSettings> compare_settings(const CompareOptions& options, const scheduler::Policy& policy);
+/// Refuses an output into a file that the scene names.
+Status check_compare_files(const CompareOptions& options, const Scene& scene);
 
 /// A policy by its name, the oracle, or a policy file that is still to be read; it keeps the weights of `policy`.
 /// Refused, without the option's name: anything else.

@@ -12,6 +12,7 @@
 #include "app/files/scene_files.h"
 #include "app/process/standard_streams.h"
 #include "scene/scene_parse.h"
+#include "scene/scene_shapes.h"
 
 namespace poise::app {
 namespace {
@@ -39,6 +40,14 @@ Result<SceneText> read_scene_argument(const std::string& scene, std::string_view
 
 Result<Scene> parse_scene_text(const SceneText& scene, std::vector<std::string>& errors) {
   return parse_scene(scene.text, scene.name, scene.base, &errors);
+}
+
+Status check_scene_files(std::initializer_list<NamedFile> outputs, const Scene& scene) {
+  for (const std::filesystem::path& file : io::files_of(scene)) {
+    const Status apart = check_outputs(outputs, {{"a file of the scene", file.string()}});
+    if (!apart) return apart;
+  }
+  return Done{};
 }
 
 }  // namespace poise::app

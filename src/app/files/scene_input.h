@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "app/files/output_files.h"
 #include "poise/result.h"
 #include "poise/scene/scene.h"
 
@@ -25,5 +26,8 @@ Result<SceneText> read_scene_argument(const std::string& scene, std::string_view
 
 /// parse_scene; `errors` gets every refusal, one line each.
 Result<Scene> parse_scene_text(const SceneText& scene, std::vector<std::string>& errors);
+
+/// Refuses an output into a file that the scene names.
+Status check_scene_files(std::initializer_list<NamedFile> outputs, const Scene& scene);
 
 }  // namespace poise::app

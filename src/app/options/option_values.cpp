@@ -47,6 +47,16 @@ CLI::Option* add_number(CLI::App& app, const std::string& name, std::optional<do
   return app.add_option_function<std::string>(name, read, help)->type_name("MS");
 }
 
+CLI::Validator numbers_within(double min, double max) {
+  return {[min, max](const std::string& text) {
+            double value = 0;
+            if (parse_whole_text(text, value) && std::isfinite(value) && value >= min && value <= max)
+              return std::string();
+            return fmt::format("{}, must be a number >= {:g} and <= {:g}", text, min, max);
+          },
+          fmt::format("{:g} to {:g}", min, max)};
+}
+
 CLI::Option* add_every(CLI::App& app, const std::string& name, std::optional<std::uint64_t>& target, std::uint64_t max,
                        const std::string& help) {
   const auto read = [&target, name, max](const std::string& text) {
@@ -63,9 +73,13 @@ CLI::Option* add_every(CLI::App& app, const std::string& name, std::optional<std
   return app.add_option_function<std::string>(name, read, help)->type_name("every=K");
 }
 
+CLI::Option* add_text(CLI::App& app, const std::string& name, std::string& target, const std::string& help) {
+  const auto not_empty = [](const std::string& text) { return text.empty() ? "must not be empty" : ""; };
+  return app.add_option(name, target, help)->check(not_empty);
+}
+
 CLI::Option* add_path(CLI::App& app, const std::string& name, std::string& target, const std::string& help) {
-  const auto not_empty = [](const std::string& path) { return path.empty() ? "must not be empty" : ""; };
-  return app.add_option(name, target, help)->check(not_empty)->type_name("FILE");
+  return add_text(app, name, target, help)->type_name("FILE");
 }
 
 CLI::Option* add_scene(CLI::App& app, std::string& target) {

@@ -16,11 +16,17 @@ CLI::Option* add_whole(CLI::App& app, const std::string& name, std::optional<std
 CLI::Option* add_number(CLI::App& app, const std::string& name, std::optional<double>& target, double min,
                         bool open_min, double max, const std::string& help);
 
+/// For each of several values: a finite number in [min, max].
+CLI::Validator numbers_within(double min, double max);
+
 /// Adds `name` for `every=K` with a whole K in [1, max]; anything else is a usage error that tells the form.
 CLI::Option* add_every(CLI::App& app, const std::string& name, std::optional<std::uint64_t>& target, std::uint64_t max,
                        const std::string& help);
 
-/// Adds `name` for a file or folder. An empty name is a usage error: it comes from a variable that was not set.
+/// Adds `name` for a text. An empty one is a usage error: it comes from a variable that was not set.
+CLI::Option* add_text(CLI::App& app, const std::string& name, std::string& target, const std::string& help);
+
+/// Adds `name` for a file or folder. An empty name is one too.
 CLI::Option* add_path(CLI::App& app, const std::string& name, std::string& target, const std::string& help);
 
 /// The argument SCENE, which must be there: see read_scene_argument.

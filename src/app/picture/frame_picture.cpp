@@ -226,7 +226,11 @@ FramePictures::FramePictures(std::vector<capture::CapturedShape> shapes, const P
 View FramePictures::view(const DrawnFrame& frame) const { return view_of(settings_, frame, shapes_); }
 
 Image FramePictures::draw(const DrawnFrame& frame) const {
-  const auto px = [](double size) { return static_cast<std::uint32_t>(std::clamp(size, 1.0, 4.0 * kMostPicturePx)); };
+  // That of a scene may be finer than any picture.
+  const double finest = std::max({frame.resolution_px[0], frame.resolution_px[1], double{kMostPicturePx}});
+  const auto px = [&](double size) {
+    return static_cast<std::uint32_t>(std::clamp(size * (kMostPicturePx / finest), 1.0, double{kMostPicturePx}));
+  };
   const std::array<std::uint32_t, 2> size_px =
       settings_.size_px.value_or(std::array{px(frame.resolution_px[0]), px(frame.resolution_px[1])});
   const int width = static_cast<int>(size_px[0]) * kSamplesAcross;

@@ -14,12 +14,11 @@ namespace poise::app {
 void add_picture_options(CLI::App& command, PictureOptions& options, const std::string& of_picture) {
   add_path(command, "--picture", options.file,
            "Draw the bodies as a PNG, coloured by the level that they reached: " + of_picture);
-  command
-      .add_option("--camera", options.camera,
-                  "Instead of the scene's camera for pictures: where it stands, where it looks, its vertical angle "
-                  "(default 50)")
+  add_text(command, "--camera", options.camera,
+           "Instead of the scene's camera for pictures: where it stands, where it looks, its vertical angle "
+           "(default 50)")
       ->type_name("x,y,z:tx,ty,tz[:DEG]");
-  command.add_option("--picture-size", options.size, "Of pictures, in pixels (default: the scene camera's resolution)")
+  add_text(command, "--picture-size", options.size, "Of pictures, in pixels (default: the scene camera's resolution)")
       ->type_name("WxH");
   command.add_flag("--picture-plain", options.plain, "Pictures without words, legend and the ring of the gaze");
 }

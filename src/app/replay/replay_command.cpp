@@ -167,6 +167,8 @@ int replay(const ReplayOptions& options) {
   const io::RecordHeader& header = record.value().header();
   const Result<Scene> scene = scene_of(options, header);
   if (!scene) return refuse("replay", scene.error());
+  const Status apart = check_replay_files(options, scene.value());
+  if (!apart) return refuse("replay", kExitBadUsage, apart.error().message);
   const parallel::Interrupt interrupt;
   Status all = Done{};
   std::optional<io::AtomicFile> json = open_file(options.json, all);

@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "app/files/output_files.h"
+#include "app/files/scene_input.h"
 #include "app/options/option_values.h"
 #include "app/options/suggestions.h"
 #include "app/report/report_files.h"
@@ -13,6 +14,22 @@
 #include "poise/scene/scene.h"
 
 namespace poise::app {
+namespace {
+
+// Calls check(all files that a replay writes).
+template <class Check>
+Status with_outputs(const ReplayOptions& options, Check&& check) {
+  const std::string page = report_page_of(options.report);
+  const std::string bodies = body_table_of(options.states);
+  return check({{"--json", options.json},
+                {"--states", options.states},
+                {"the bodies of --states", bodies},
+                {"--capture", options.capture.file},
+                {"--picture", options.picture.file},
+                {"--report", page}});
+}
+
+}  // namespace
 
 void add_replay_options(CLI::App& command, ReplayOptions& options) {
   command.add_option("record", options.record, "A file of poise run --record")->required()->type_name("RECORD");
@@ -82,15 +99,14 @@ Status check_replay_options(const ReplayOptions& options) {
   if (!captured) return captured;
   const Status pictures = check_picture_options(options.picture);
   if (!pictures) return pictures;
-  const std::string page = report_page_of(options.report);
-  const std::string bodies = body_table_of(options.states);
-  return check_outputs({{"--json", options.json},
-                        {"--states", options.states},
-                        {"the bodies of --states", bodies},
-                        {"--capture", options.capture.file},
-                        {"--picture", options.picture.file},
-                        {"--report", page}},
-                       {{"RECORD", options.record}});
+  return with_outputs(options, [&](std::initializer_list<NamedFile> outputs) {
+    return check_outputs(outputs, {{"RECORD", options.record}});
+  });
+}
+
+Status check_replay_files(const ReplayOptions& options, const Scene& scene) {
+  return with_outputs(options,
+                      [&](std::initializer_list<NamedFile> outputs) { return check_scene_files(outputs, scene); });
 }
 
 }  // namespace poise::app

@@ -32,6 +32,8 @@ struct ReplayOptions {
 void add_replay_options(CLI::App& command, ReplayOptions& options);
 /// Refused: options that contradict each other, as one line.
 Status check_replay_options(const ReplayOptions& options);
+/// Refuses an output into a file that the scene of the record names.
+Status check_replay_files(const ReplayOptions& options, const Scene& scene);
 /// The frames that are captured and drawn; the replay ends with the last of them. Frame 0 is the start. Refused: what
 /// --frames may not be.
 Result<FrameRange> replayed_frames(const ReplayOptions& options);

@@ -87,7 +87,7 @@ BoxChart frame_chart(const std::string& scene, std::optional<double> deadline_ms
                   "ms", "frame");
   for (double tick = 0; tick <= most_ms; tick += plot::tick_step(most_ms))
     plot::tick_up(chart, tick / most_ms, fmt::format("{:g}", tick));
-  frame_ticks(chart, frames.size());
+  frame_ticks(chart, frames);
   draw_columns(chart, frames, total_ms, [&](const simulation::RunFrame& frame, double left, double width) {
     stack_stages(frame, left, width, most_ms, chart);
   });

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <span>
 
@@ -17,12 +18,13 @@ inline double share_of_frame(double frame, std::size_t frames) {
   return frame / std::max(1.0, static_cast<double>(frames));
 }
 
-/// Numbers of frames below the plot.
-inline void frame_ticks(BoxChart& chart, std::size_t frames) {
-  const auto count = static_cast<double>(frames);
+/// Numbers of frames below the plot, as the run counts them.
+inline void frame_ticks(BoxChart& chart, std::span<const simulation::RunFrame> frames) {
+  const auto count = static_cast<double>(frames.size());
   const double step = std::max(1.0, plot::tick_step(std::max(count, 4.0)));
-  for (double frame = 0; frame < count; frame += step)
-    plot::tick_along(chart, share_of_frame(frame, frames), fmt::format("{:g}", frame));
+  const double first = frames.empty() ? 0 : static_cast<double>(frames.front().report.frame);
+  for (double frame = std::ceil(first / step) * step; frame < first + count; frame += step)
+    plot::tick_along(chart, share_of_frame(frame - first, frames.size()), fmt::format("{:.0f}", frame));
 }
 
 /// Calls `draw(frame, left_px, width_px)` for each column of the plot. Where there are more frames than columns, a

@@ -41,7 +41,7 @@ std::optional<BoxChart> level_chart(const std::string& scene, std::span<const si
       plot::begin(fmt::format("{}: contact pairs by the level that they reached", scene), "pairs", "frame");
   const double step = std::max(1.0, plot::tick_step(most));
   for (double tick = 0; tick <= most; tick += step) plot::tick_up(chart, tick / most, fmt::format("{:g}", tick));
-  frame_ticks(chart, frames.size());
+  frame_ticks(chart, frames);
   draw_columns(chart, frames, pairs_of, [&](const simulation::RunFrame& frame, double left, double width) {
     double sum = 0;
     for (std::size_t level = 0; level < sums.size(); ++level) {

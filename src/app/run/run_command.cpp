@@ -214,6 +214,8 @@ int run_scene(const RunOptions& options) {
   Result<Scene> scene = parse_scene_text(text.value(), errors);
   for (const std::string& error : errors) refuse("run", kExitBadInput, error);
   if (!scene) return exit_code_of(scene.error());
+  const Status apart = check_run_files(options, scene.value());
+  if (!apart) return refuse("run", kExitBadUsage, apart.error().message);
   const Status policy = apply_policy(options, scene.value(), errors);
   for (const std::string& error : errors) refuse("run", kExitBadInput, error);
   if (!policy) return exit_code_of(policy.error());

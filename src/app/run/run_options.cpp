@@ -11,6 +11,7 @@
 #include <system_error>
 
 #include "app/files/output_files.h"
+#include "app/files/scene_input.h"
 #include "app/options/option_values.h"
 #include "app/options/suggestions.h"
 #include "app/process/process_memory.h"
@@ -61,6 +62,22 @@ void add_contact_model(CLI::App& command, RunOptions& options) {
 CLI::Validator policy_or_file() {
   const CLI::Validator name = one_of({io::kPolicyNames.begin(), io::kPolicyNames.end()});
   return {[name](std::string& text) { return io::names_policy_file(text) ? std::string() : name(text); }, ""};
+}
+
+// Calls check(all files that a run writes).
+template <class Check>
+Status with_outputs(const RunOptions& options, Check&& check) {
+  const std::string page = report_page_of(options.report);
+  const std::string bodies = body_table_of(options.states);
+  return check({{"--json", options.json},
+                {"--states", options.states},
+                {"the bodies of --states", bodies},
+                {"--frames-csv", options.frames_csv},
+                {"--trace", options.trace},
+                {"--picture", options.picture.file},
+                {"--record", options.record},
+                {"--capture", options.capture.file},
+                {"--report", page}});
 }
 
 }  // namespace
@@ -119,11 +136,10 @@ void add_run_options(CLI::App& command, RunOptions& options) {
   add_number(command, "--spin", options.spin_us, 0, false, 1e4,
              "Microseconds that a thread without work looks for it before it sleeps, at most 10000 (default 50)")
       ->type_name("US");
-  command
-      .add_option("--affinity", options.affinity,
-                  "Bind thread k, the main one as k = 0, to the k-th of these processors, in turn: 0,2 or 0-3 (needs "
-                  "--executor threads or serial, and "
-                  "chooses threads); as many threads as processors unless --threads says otherwise")
+  add_text(command, "--affinity", options.affinity,
+           "Bind thread k, the main one as k = 0, to the k-th of these processors, in turn: 0,2 or 0-3 (needs "
+           "--executor threads or serial, and "
+           "chooses threads); as many threads as processors unless --threads says otherwise")
       ->type_name("LIST");
   add_whole(command, "--realtime", options.realtime, 1, 99,
             "Run the threads under SCHED_FIFO with this priority, where the system permits it (likewise not with "
@@ -186,18 +202,14 @@ Status check_run_options(const RunOptions& options) {
   if (!captured) return captured;
   const Status picture = check_picture_options(options.picture);
   if (!picture) return picture;
-  const std::string page = report_page_of(options.report);
-  const std::string bodies = body_table_of(options.states);
-  return check_outputs({{"--json", options.json},
-                        {"--states", options.states},
-                        {"the bodies of --states", bodies},
-                        {"--frames-csv", options.frames_csv},
-                        {"--trace", options.trace},
-                        {"--picture", options.picture.file},
-                        {"--record", options.record},
-                        {"--capture", options.capture.file},
-                        {"--report", page}},
-                       {{"SCENE", options.scene}, {"--gaze", options.gaze}});
+  return with_outputs(options, [&](std::initializer_list<NamedFile> outputs) {
+    return check_outputs(outputs, {{"SCENE", options.scene}, {"--gaze", options.gaze}, {"--policy", options.policy}});
+  });
+}
+
+Status check_run_files(const RunOptions& options, const Scene& scene) {
+  return with_outputs(options,
+                      [&](std::initializer_list<NamedFile> outputs) { return check_scene_files(outputs, scene); });
 }
 
 Result<std::vector<int>> processor_list(const std::string& text) {

@@ -53,6 +53,8 @@ void add_policy_options(CLI::App& command, RunOptions& options);
 
 /// Refused: options that contradict each other, as one line.
 Status check_run_options(const RunOptions& options);
+/// Refuses an output into a file that the scene names.
+Status check_run_files(const RunOptions& options, const Scene& scene);
 
 /// Puts the policy file and the weights of the command line into the scene. `errors` gets every refusal of the file,
 /// one line each.

@@ -163,9 +163,45 @@ def read_base(file):
     return {"kind": "perceptual", **policy}
 
 
+def is_special(path):
+    """Something that is there and no regular file, nor a folder: a pipe or a device."""
+    return os.path.exists(path) and not os.path.isfile(path) and not os.path.isdir(path)
+
+
+def _check_outputs(options, journal):
+    """Refuses outputs into what is read, and into each other."""
+    read = [("SCENE", scene) for scene in options.scenes] + [("--holdout", scene) for scene in options.holdout]
+    read += [("--base", options.base)] if options.base else []
+    read += [("--rivals", rival) for rival in options.rivals]
+    for name, path in (("--out", options.out), ("--journal", journal)):
+        if os.path.isdir(path):
+            raise Refused(f"{name} {path}: is a folder")
+        for what, file in read:
+            if os.path.isfile(path) and os.path.isfile(file) and os.path.samefile(path, file):
+                raise Refused(f"{name} {path}: would overwrite the file that is read as {what}")
+    if os.path.realpath(journal) == os.path.realpath(options.out):
+        raise Refused("--journal and --out are the same file")
+    if options.cues or options.measure:
+        return
+    if is_special(options.out) and not options.journal:
+        raise Refused(f"--out {options.out}: is no file, so --journal must say where the study goes")
+    if is_special(journal):
+        raise Refused(f"--journal {journal}: must be a file, which workers read again")
+
+
+def _check_name(options):
+    name = options.name or os.path.basename(options.out)
+    try:
+        name.encode("utf-8")
+    except UnicodeEncodeError as failure:
+        raise Refused("--name: must be UTF-8" if options.name else
+                      "--name is needed where that of the file of --out is not UTF-8") from failure
+
+
 def check(options):
     """Refuses options that contradict each other."""
     _check_workers(options)
+    _check_name(options)
     for group, name in ((options.scenes, "SCENE"), (options.holdout, "--holdout")):
         for scene in group:
             if scene == "-":
@@ -182,9 +218,6 @@ def check(options):
         options.rivals = ["size", "random", "fifo", "round-robin"] + (["oracle"] if options.history == 1 else [])
     if options.history > 1 and "oracle" in options.rivals:
         raise Refused("--rivals: oracle knows one frame: it cannot be asked with --history above 1")
-    if os.path.isdir(options.out):
-        raise Refused(f"--out {options.out}: is a folder")
     journal = options.journal or options.out + ".journal"
-    if os.path.abspath(journal) == os.path.abspath(options.out):
-        raise Refused("--journal and --out are the same file")
+    _check_outputs(options, journal)
     return journal

@@ -31,21 +31,26 @@ def terminate(signal_number, frame):
 
 def check_output(path):
     """Tells a file that cannot be written before long work."""
-    folder = os.path.dirname(os.path.abspath(path))
+    if command_line.is_special(path):
+        return
+    folder = os.path.dirname(os.path.realpath(path))
     if not os.path.isdir(folder) or not os.access(folder, os.W_OK):
         raise Refused(f"{path}: cannot be written", OUTPUT_FAILED)
 
 
 def write(path, document):
-    """By a temporary file and its renaming: there is never half a file."""
-    part = f"{path}.part{os.getpid()}"
+    """By a temporary file and its renaming: there is never half a file. Links are followed, and a pipe or a device is
+    written to."""
+    target = os.path.realpath(path)
+    part = path if command_line.is_special(path) else f"{target}.part{os.getpid()}"
     try:
         with open(part, "w", encoding="utf-8") as file:
             json.dump(document, file, indent=2)
             file.write("\n")
-        os.replace(part, path)
+        if part != path:
+            os.replace(part, target)
     except OSError as failure:
-        if os.path.exists(part):
+        if part != path and os.path.exists(part):
             os.remove(part)
         raise Refused(f"{path}: {failure.strerror}", OUTPUT_FAILED) from failure
 
@@ -194,6 +199,7 @@ def main(words):
                     tune(work, journal)
             finally:
                 work.end()
+        sys.stdout.flush()
     except Refused as refused:
         print(f"poise tune: {refused}", file=sys.stderr)
         return refused.code
@@ -205,6 +211,11 @@ def main(words):
         if "--task" not in words:
             print("poise tune: stopped; what was done is in the journal, and the same command goes on", file=sys.stderr)
         return TERMINATED if isinstance(stopped, Terminated) else STOPPED
+    except OSError as failure:
+        print(f"poise tune: standard output: {failure.strerror}", file=sys.stderr)
+        # What is left in the buffer could not be written at the end either.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return OUTPUT_FAILED
     return 0
 
 

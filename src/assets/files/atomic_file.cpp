@@ -20,6 +20,22 @@ constexpr mode_t kUsualRights = 0666;
 // Room that cannot be given back stays taken: nothing is lost by that.
 void cut(int descriptor, off_t bytes) { [[maybe_unused]] const int result = ::ftruncate(descriptor, bytes); }
 
+// Follows links to what is to be written, also where nothing is there yet. 0, or why they lead nowhere. What is no
+// file, as a pipe that a link of the system's names, is opened by that link.
+int follow_links(std::filesystem::path& path) {
+  constexpr int kMostLinks = 40;  // as Linux has it
+  struct stat status {};
+  if (::stat(path.c_str(), &status) == 0 && !S_ISREG(status.st_mode)) return 0;
+  std::error_code failure;
+  for (int links = 0; std::filesystem::is_symlink(path, failure); ++links) {
+    if (links == kMostLinks) return ELOOP;
+    const std::filesystem::path next = std::filesystem::read_symlink(path, failure);
+    if (failure) return failure.value();
+    path = next.is_absolute() ? next : path.parent_path() / next;
+  }
+  return 0;
+}
+
 }  // namespace
 
 int write_all(int descriptor, std::string_view text, std::size_t* reached) {
@@ -45,12 +61,9 @@ Error AtomicFile::failed(int reason) const {
 Result<AtomicFile> AtomicFile::open(const std::filesystem::path& path, Before before) {
   AtomicFile file;
   file.shown_ = path;
-  std::error_code failure;
   file.target_ = path;
-  if (std::filesystem::is_symlink(path, failure)) {
-    const std::filesystem::path followed = std::filesystem::weakly_canonical(path, failure);
-    if (!failure) file.target_ = followed;
-  }
+  const int lost = follow_links(file.target_);
+  if (lost != 0) return file.failed(lost);
   struct stat status {};
   const bool exists = ::stat(file.target_.c_str(), &status) == 0;
   if (exists && S_ISDIR(status.st_mode)) return file.failed(EISDIR);

@@ -155,7 +155,13 @@ void Checker::add_tray_planes() {
                                             {-Vec3::UnitY(), -half_m}};
   for (const auto& [normal, offset_m] : planes) {
     CheckedShape wall;
-    wall.shape = make_plane_shape(normal, offset_m).value();
+    Result<ShapePtr> made = make_plane_shape(normal, offset_m);
+    if (!made) {
+      check_.errors.push_back(
+          fmt::format("{}: tray: a side of {:g} m: {}", scene_.source, tray_side_m_, made.error().message));
+      return;
+    }
+    wall.shape = std::move(made).value();
     shapes_.push_back(wall);
     PlacedBody body;
     body.path = "tray";

@@ -365,14 +365,26 @@ Result<std::string> draft_text(const SceneDraft& draft, const DraftSettings& set
 
 Result<WrittenDraft> write_draft(const SceneDraft& draft, const DraftSettings& settings, const fs::path& file) {
   WrittenDraft written;
-  const auto save = [](const fs::path& mesh, const std::string& text) {
-    std::error_code failure;
-    fs::create_directories(mesh.parent_path(), failure);
-    return geometry::write_file(mesh, text);
+  // Meshes of a scene that was there before stay as they are until all is known to be sound, and the scene to have
+  // room.
+  std::vector<std::pair<fs::path, std::string>> meshes;
+  const auto save = [&](const fs::path& mesh, const std::string& text) {
+    meshes.emplace_back(mesh, text);
+    return Status(Done{});
   };
   const Result<std::string> text = draft_text(draft, settings, file, save, written);
   if (!text) return text.error();
-  const Status saved = geometry::write_file(file, text.value());
+  Result<geometry::AtomicFile> scene = geometry::AtomicFile::open(file);
+  if (!scene) return scene.error();
+  Status saved = scene.value().write(text.value());
+  if (saved) saved = scene.value().flush();
+  for (const auto& [mesh, obj] : meshes) {
+    if (!saved) break;
+    std::error_code failure;
+    fs::create_directories(mesh.parent_path(), failure);
+    saved = geometry::write_file(mesh, obj);
+  }
+  if (saved) saved = scene.value().commit();
   if (!saved) return saved.error();
   return written;
 }
