@@ -51,8 +51,8 @@ void write_points(const ManifoldsInput& input, std::size_t i, PairPoints& made, 
   const collision::PairContact& contact = contact_of(input.scene, input.motion, pair, progress, found, coarsest);
   collision::ManifoldPoint impact = collision::impact_point(contact, where.a.rotation);
   // Points are in the middle between the surfaces.
-  const std::optional<double> share = share_of_ball(input.motion, pair);
-  if (share && progress.level.level == 0) impact.point_m += ((0.5 - *share) * impact.gap_m) * impact.normal;
+  const std::optional<double> share = share_of_contact(input.motion, pair, progress);
+  if (share && *share != 0.5) impact.point_m += ((0.5 - *share) * impact.gap_m) * impact.normal;
   RenewedPoints renewed;
   renewed.found[0] = &impact;
   const std::span<const collision::ManifoldPoint> points = input.levels.found.points_of(found);
@@ -324,9 +324,12 @@ void list_manifolds(const ManifoldsInput& input, Manifolds& manifolds, FrameRepo
 
 }  // namespace
 
-std::optional<double> share_of_ball(const PredictedMotion& motion, const ActivePair& pair) {
+std::optional<double> share_of_contact(const PredictedMotion& motion, const ActivePair& pair,
+                                       const PairProgress& progress) {
   const BodyBounds& a = motion.body_bounds[pair.a];
   const BodyBounds& b = motion.body_bounds[pair.b];
+  // Corners of polygons stand on a plane themselves; all else is in the middle.
+  if (progress.level.level > 0) return b.plane && progress.by_polygons() ? 0.0 : 0.5;
   if (a.place != BodyBounds::Place::Ball) return std::nullopt;
   // At the end of the ball.
   if (b.plane) return 0.0;

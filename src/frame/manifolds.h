@@ -63,9 +63,10 @@ struct Manifolds {
 void make_manifolds(const ManifoldsInput& input, PointCache& points, Manifolds& manifolds, FrameReport& report,
                     parallel::Executor& executor);
 
-/// Where the contact of level 0 of a ball and a plane, or of two balls, is: so much of the gap away from a. Of other
-/// pairs, whose surfaces are not those of their root spheres, nothing is said.
-std::optional<double> share_of_ball(const PredictedMotion& motion, const ActivePair& pair);
+/// Where the contact of a pair whose points are not cached is: so much of the gap between the surfaces away from a.
+/// Nothing is said of level 0 but between balls, or a ball and a plane: elsewhere root spheres are not the surfaces.
+std::optional<double> share_of_contact(const PredictedMotion& motion, const ActivePair& pair,
+                                       const PairProgress& progress);
 
 /// The contact of a pair whose points are not cached: what its level found, or at level 0 that of its root spheres,
 /// which is made in `coarsest`.

@@ -141,9 +141,9 @@ class PairRows final : public solver::RowSource {
           contact_of(input_.scene, input_.motion, pair, progress, input_.levels.found.of(progress), coarsest);
       row.arm_m = contact.arm_m;
       row.wrench = {contact.direction, contact.moment_a_m, contact.moment_b_m};
-      const bool refined = progress.level.level > 0;
-      const std::optional<double> share = refined ? 0.5 : share_of_ball(input_.motion, pair);
-      if (share) move_to_surface(pair, *share, refined ? contact.estimated_separation_m : contact.spheres_m, row);
+      const std::optional<double> share = share_of_contact(input_.motion, pair, progress);
+      const double gap_m = progress.level.level > 0 ? contact.estimated_separation_m : contact.spheres_m;
+      if (share) move_to_surface(pair, *share, gap_m, row);
     }
     const auto& inverse_mass = input_.scene.bodies.inverse_mass;
     const auto& inverse_inertia = input_.motion.inverse_inertia;

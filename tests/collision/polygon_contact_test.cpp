@@ -134,12 +134,11 @@ TEST(Polygons, APlaneMeetsTheLowestCorners) {
     ASSERT_TRUE(contact.present);
     expect_near(contact.direction, -Vec3::UnitZ(), 1e-12);
     EXPECT_NEAR(contact.estimated_separation_m, gap, 1e-12);
-    // In the middle between the surfaces.
-    expect_near(contact.arm_m, Vec3(0, 0, -0.5 - 0.5 * gap), 1e-12);
+    expect_near(contact.arm_m, Vec3(0, 0, -0.5), 1e-12);
     const Pose tip{Vec3(3, 4, std::sqrt(0.75) + gap), on_its_corner()};
     contact = solve_by_polygons(make_pair_frame(box(), tip, *floor, Pose{}, 0.05, 0), pools).contact;
     EXPECT_NEAR(contact.estimated_separation_m, gap, 1e-12);
-    expect_near(contact.arm_m, Vec3::Constant(-0.5 - 0.5 * gap / std::sqrt(3.0)), 1e-9);
+    expect_near(contact.arm_m, Vec3(-0.5, -0.5, -0.5), 1e-9);
   }
 }
 

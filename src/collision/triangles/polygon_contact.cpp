@@ -115,16 +115,17 @@ class Block {
         const Vec3& corner = progress_.on_a.surface->vertices_m[t.vertex[k]];
         const double gap = frame_.plane_normal.dot(corner) - frame_.plane_height_m;
         if (!(gap < farthest_m(frame_, progress_))) continue;
-        const FacingFeatures feature{gap,         -frame_.plane_normal,
-                                     corner,      corner - gap * frame_.plane_normal,
-                                     t.vertex[k], FacingFeatures::Kind::CornerFace,
-                                     false,       false,
-                                     false};
+        const FacingFeatures feature{
+            gap,  -frame_.plane_normal, corner, corner, t.vertex[k], FacingFeatures::Kind::CornerFace, false, false,
+            false};
         const MetPairs::Answer met = progress_.met.meet(t.vertex[k], 0);
         if (met == MetPairs::Answer::Met) continue;
         if (met == MetPairs::Answer::New || owns(progress_.on_a, frame_.a->tree, entry_.a, triangle, corner)) {
           if (gap < progress_.reach_m(frame_)) add_feature(feature, sums_);
-          if (progress_.rests) add_facing_point(feature, std::uint64_t{triangle} << 32U, progress_.points);
+          if (!progress_.rests) continue;
+          FacingFeatures at_rest = feature;
+          at_rest.point_b_m -= gap * frame_.plane_normal;
+          add_facing_point(at_rest, std::uint64_t{triangle} << 32U, progress_.points);
         }
       }
     }
