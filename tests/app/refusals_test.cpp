@@ -136,7 +136,8 @@ TEST(Refusals, OfOutputsIntoFilesThatAreReadEndWithTwo) {
     return std::string(std::istreambuf_iterator<char>(file), {});
   };
   std::ofstream(folder.file("scene.json")) << R"({"name": "x", "dt_s": 0.01, "frames": 2, "deadline_ms": 5,
-             "camera": {"position_m": [0, -8, 2], "look_at_m": [0, 0, 0], "up": [0, 0, 1], "gaze": {"file": "g.csv"}},
+             "camera": {"position_m": [0, -8, 2], "look_at_m": [0, 0, 0], "up": [0, 0, 1]},
+             "gaze": {"file": "g.csv"},
              "materials": {"m": {"density_kgpm3": 1000}},
              "shapes": {"s": {"mesh": {"file": "four.obj", "depth": 1}}},
              "bodies": [{"shape": "s", "material": "m", "position_m": [0, 0, 0]}]})";

@@ -326,7 +326,7 @@ std::vector<Convergence> three_steps(Bench& bench, ContactSolver& solver) {
   return made;
 }
 
-// A solver keeps its lanes from step to step, of two precisions in the same memory, and gives up an attempt in single
+// A solver keeps its lanes from step to step, of two precisions in the same memory, and abandons an attempt in single
 // precision where nothing collides.
 TEST(Rest, WhatASolverDidBeforeDoesNotShow) {
   const std::vector<std::function<Bench()>> scenes = {[] { return plate(0); }, [] { return layer(1); },
@@ -360,9 +360,9 @@ TEST(Rest, WhatASolverDidBeforeDoesNotShow) {
   }
 }
 
-// Nothing of an attempt that is given up is left in the bodies: what stands still stands, as with the attempt's result
+// Nothing of an attempt that is abandoned is left in the bodies: what stands still stands, as with the attempt's result
 // it would not, and what collides is answered by the attempt alone.
-TEST(Rest, AnAttemptInSinglePrecisionIsGivenUpWhereNothingCollides) {
+TEST(Rest, AnAttemptInSinglePrecisionIsAbandonedWhereNothingCollides) {
   Bench still = plate(0);
   const Convergence rests = still.solve();
   ASSERT_EQ(still.coloring.shared().size(), 1U);

@@ -243,13 +243,13 @@ class Events {
     return turn * input_.scene.bodies.principal_kgm2[trajectory.slot].cwiseInverse().asDiagonal() * turn.transpose();
   }
 
-  // Where two bodies rub each other.
-  struct Rubbing {
+  // Where two bodies slip against each other.
+  struct FrictionAt {
     Vec3 normal, arm_a_m, arm_b_m;
     Mat3 inverse_inertia_a, inverse_inertia_b;
   };
   // Coulomb friction: what stops the slip, or as much as `most_ns`. What b received.
-  static Vec3 rub(const Rubbing& at, double most_ns, solver::SolverBody& a, solver::SolverBody& b) {
+  static Vec3 apply_friction(const FrictionAt& at, double most_ns, solver::SolverBody& a, solver::SolverBody& b) {
     Vec3 slip = b.velocity_mps + b.spin_radps.cross(at.arm_b_m) - a.velocity_mps - a.spin_radps.cross(at.arm_a_m);
     slip -= slip.dot(at.normal) * at.normal;
     const double speed = slip.norm();
@@ -295,13 +295,13 @@ class Events {
     const double lambda = (1.0 + (e * closing > still ? e : 0.0)) * closing * wrench.effective_mass;
     solver::apply_impulse(wrench, turns, lambda, body_a, body_b);
     const double length = contact.direction.norm();
-    const Rubbing rubbing{contact.direction / length, contact.arm_m,
-                          contact.arm_m - (impact.b.position_m - impact.a.position_m), inverse_inertia(a),
-                          inverse_inertia(b)};
-    const Vec3 across_ns = rub(rubbing, material.friction * lambda * length, body_a, body_b);
+    const FrictionAt friction{contact.direction / length, contact.arm_m,
+                              contact.arm_m - (impact.b.position_m - impact.a.position_m), inverse_inertia(a),
+                              inverse_inertia(b)};
+    const Vec3 across_ns = apply_friction(friction, material.friction * lambda * length, body_a, body_b);
     take(a, body_a);
     take(b, body_b);
-    swept_.hits.push_back({pairs_[k].pair, rubbing.normal, impact.a.position_m + contact.arm_m, impact.contact.gap_m,
+    swept_.hits.push_back({pairs_[k].pair, friction.normal, impact.a.position_m + contact.arm_m, impact.contact.gap_m,
                            lambda * contact.direction + across_ns});
     ++report_.swept_hits;
   }
