@@ -38,9 +38,7 @@ struct Loader {
   std::function<void(double)> progress = {};
   std::stop_token stop = {};
 
-  [[nodiscard]] std::filesystem::path found(const std::filesystem::path& file) const {
-    return file.is_absolute() ? file : scene.base / file;
-  }
+  [[nodiscard]] std::filesystem::path found(const std::filesystem::path& file) const { return scene.base / file; }
   Result<ShapePtr> operator()(const SphereSource& source) const { return make_sphere_shape(source.radius_m); }
   Result<ShapePtr> operator()(const PlaneSource& source) const {
     return make_plane_shape(source.normal, source.offset_m);
@@ -213,7 +211,7 @@ Result<LoadedShapes> load_shapes(const Scene& scene, const LoadSettings& setting
 std::vector<std::filesystem::path> files_of(const Scene& scene) {
   std::vector<std::filesystem::path> files;
   const auto add = [&](const std::filesystem::path& file) {
-    if (!file.empty()) files.push_back(file.is_absolute() ? file : scene.base / file);
+    if (!file.empty()) files.push_back(scene.base / file);
   };
   for (const SceneShape& shape : scene.shapes) {
     if (const auto* mesh = std::get_if<MeshSource>(&shape.source)) add(mesh->file);

@@ -5,6 +5,7 @@
 #include <random>
 #include <vector>
 
+#include "frame/contact_points.h"
 #include "frame/scenes.h"
 #include "geometry/meshes.h"
 
@@ -148,6 +149,32 @@ TEST(ContactEvents, ThatPersistAreToldOnlyWhenAskedFor) {
     EXPECT_TRUE(std::ranges::equal(others, plain.world.contact_events(), same));
   }
   EXPECT_GT(persisted, 200U);
+}
+
+// Forces that nearly cancel say little of what their pair gave: no point gave more than its force for a step.
+TEST(ContactPoints, ThatHoldEachOtherInBalanceAreToldNoMoreThanTheirForces) {
+  constexpr double kForceN = 1000;
+  simulation::PredictedMotion motion;
+  motion.poses.resize(2);
+  motion.poses[0] = motion.poses[1] = {};
+  simulation::PointCache cache;
+  cache.points.resize(3);
+  cache.forces.resize(3);
+  for (std::size_t k = 0; k < 3; ++k) {
+    cache.points[k] = {};
+    cache.points[k].normal = k == 1 ? Vec3(Vec3::UnitX()) : Vec3(-Vec3::UnitX());
+    cache.forces[k] = {kForceN + (k == 1 ? 1e-6 : 0.0), Vec3::Zero()};
+  }
+  simulation::ActivePair pair;
+  pair.a = 0;
+  pair.b = 1;
+  const simulation::PairPoints made{simulation::PointCache::slot_at(0, simulation::PointCache::size_for(3)), 3, true};
+  Contact contact;
+  contact.impulse_ns = Vec3(2, 0, 0);
+  simulation::list_points({motion, cache, pair, made, kStepS}, 1, contact);
+  ASSERT_EQ(contact.points().size(), 2U);
+  EXPECT_LT((sum_of(contact) - contact.impulse_ns).norm(), 1e-12);
+  for (const ContactPoint& point : contact.points()) EXPECT_LT(point.impulse_ns.norm(), kForceN * kStepS + 2);
 }
 
 // Without gravity all that changes a velocity is a contact.

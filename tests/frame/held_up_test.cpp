@@ -59,6 +59,7 @@ class HoldsUpWorkerOne final : public parallel::Executor {
     return std::this_thread::get_id() == stopped_.load() ? begun_ : inner_->time();
   }
   void let_go() { let_go_.store(true, order_); }
+  [[nodiscard]] bool has_let_go() const { return let_go_.load(order_); }
 
  private:
   // At the beginning, what the other thread has written by then is not handed over: the thread sanitizer sees who
@@ -173,10 +174,12 @@ TEST_P(HeldUp, WorkerIsWaitedForBeforeItsWorldIsChangedOrEnds) {
   {
     const std::jthread later = held_step();
     EXPECT_TRUE(stage.world.set_importance(stage.bodies.back(), 2).ok());
+    EXPECT_TRUE(executor.has_let_go()) << "it was waited for";
   }
   {
     const std::jthread later = held_step();
     EXPECT_TRUE(stage.world.set_user_data(stage.bodies.back(), 7).ok());
+    EXPECT_TRUE(executor.has_let_go()) << "it was waited for";
   }
   std::jthread later = held_step();
   { const World ended = std::move(stage.world); }

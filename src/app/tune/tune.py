@@ -55,6 +55,16 @@ def write(path, document):
         raise Refused(f"{path}: {failure.strerror}", OUTPUT_FAILED) from failure
 
 
+def tell(text):
+    """Writes a table to the standard output."""
+    try:
+        print(text, end="", flush=True)
+    except OSError as failure:
+        # What is left in the buffer could not be written at the end either.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        raise Refused(f"standard output: {failure.strerror}", OUTPUT_FAILED) from failure
+
+
 class Work:
     """What a command needs while it runs: folder, runs that are to be ended, and how it was called."""
 
@@ -110,7 +120,7 @@ def measure_cues(work):
         {"scene": run.scene, "seed": run.seed, "bodies": run.facts["bodies"], "states": run.facts["states"]}
         for run in runs.runs], "cues": rows})
     if not o.quiet:
-        print(cue_worth.table(rows), end="")
+        tell(cue_worth.table(rows))
 
 
 def measure_base(work):
@@ -120,7 +130,7 @@ def measure_base(work):
     facts = work.facts(runs)
     write(o.out, {**facts, "schema": "poise.rivals/1", "policy": work.base, "against_rivals": group})
     if not o.quiet:
-        print(rivals.table("base policy", group, facts["budgets"], facts["budget_unit"]), end="")
+        tell(rivals.table("base policy", group, facts["budgets"], facts["budget_unit"]))
 
 
 def tune(work, journal):
@@ -177,7 +187,7 @@ def write_policy(work, runs, policy, trials):
     name = o.name or os.path.basename(o.out).removesuffix(".json")
     write(o.out, {"schema": "poise.policy/1", "name": name, "policy": policy, "evidence": evidence})
     if not o.quiet:
-        print("\n".join(tables), end="")
+        tell("\n".join(tables))
 
 
 def main(words):
@@ -199,7 +209,6 @@ def main(words):
                     tune(work, journal)
             finally:
                 work.end()
-        sys.stdout.flush()
     except Refused as refused:
         print(f"poise tune: {refused}", file=sys.stderr)
         return refused.code
@@ -211,11 +220,6 @@ def main(words):
         if "--task" not in words:
             print("poise tune: stopped; what was done is in the journal, and the same command goes on", file=sys.stderr)
         return TERMINATED if isinstance(stopped, Terminated) else STOPPED
-    except OSError as failure:
-        print(f"poise tune: standard output: {failure.strerror}", file=sys.stderr)
-        # What is left in the buffer could not be written at the end either.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return OUTPUT_FAILED
     return 0
 
 
