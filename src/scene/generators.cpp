@@ -122,6 +122,19 @@ GeneratedBody draw_body(const GeneratedKind& kind, std::uint64_t index, Random& 
   return body;
 }
 
+BodyDefinition definition_of(const GeneratedBody& body, const Shape& shape) {
+  BodyDefinition definition;
+  definition.position_m = body.center_m - body.orientation * shape.origin_offset_m;
+  definition.orientation = body.orientation;
+  if (body.is_static) definition.motion = MotionType::Static;
+  definition.velocity_mps = body.velocity_mps;
+  definition.angular_velocity_radps = body.angular_velocity_radps;
+  definition.group = body.kind->group;
+  definition.collides_with = body.kind->collides_with;
+  definition.importance = body.kind->importance;
+  return definition;
+}
+
 std::vector<std::uint64_t> share_bodies(std::span<const std::uint64_t> own, std::uint64_t total) {
   const std::uint64_t sum = std::accumulate(own.begin(), own.end(), std::uint64_t{0});
   std::vector<std::uint64_t> shares(own.size());

@@ -26,6 +26,10 @@ struct GeneratedBody {
   double leaves_s = std::numeric_limits<double>::infinity();
 };
 
+/// Without shape and material, which a World names. The World takes the position of the shape's origin, generators give
+/// that of the centre of mass.
+BodyDefinition definition_of(const GeneratedBody& body, const Shape& shape);
+
 struct ExpandOptions {
   std::optional<std::uint64_t> bodies;  ///< number for all generators together
   std::uint64_t seed = 1;               ///< of the scene

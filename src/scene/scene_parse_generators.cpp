@@ -52,7 +52,7 @@ void parse_kind(const ObjectReader& reader, const SceneNames& names, const Scene
   reader.whole("seed", 0, std::numeric_limits<std::uint64_t>::max(), kind.seed);
   reader.bits("group", kind.group);
   reader.bits("collides_with", kind.collides_with);
-  reader.number("importance", kNotNegative, kind.importance);
+  reader.number("importance", kImportance, kind.importance);
 }
 
 /// Refuses members that belong to another mode of a generator.

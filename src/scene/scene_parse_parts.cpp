@@ -14,7 +14,11 @@ namespace poise::io {
 namespace {
 
 constexpr Range kLength{1e-9, kMaxQuantity, false};
-constexpr Range kMass{0, 1e18, true};
+constexpr Range kMoment{0, 1e18, true};
+// What a World takes (world/validation.h), so that a scene is refused before trees are built.
+constexpr Range kMass{1e-18, 1e18, false};
+constexpr Range kDensity{1e-9, kMaxQuantity, false};
+constexpr Range kFriction{0, 1e6, false};
 
 void parse_sphere(const JsonValue& value, const std::string& path, Problems& problems, SceneShape& shape) {
   const ObjectReader reader(value, path, problems, {"radius_m"});
@@ -149,7 +153,7 @@ void parse_inertia(const ObjectReader& reader, BodyDefinition& body) {
   const JsonValue* value = reader.find("inertia_kgm2");
   if (value == nullptr) return;
   const SoundSoFar sound(reader.problems());
-  reader.vec3("inertia_kgm2", kMass, body.inertia_kgm2);
+  reader.vec3("inertia_kgm2", kMoment, body.inertia_kgm2);
   const Vec3& moments = body.inertia_kgm2;
   if (sound && 2 * moments.maxCoeff() > moments.sum()) {
     reader.problems().refuse(reader.path("inertia_kgm2"), *value,
@@ -218,7 +222,7 @@ void parse_body(const JsonValue& value, const std::string& path, Problems& probl
   parse_inertia(reader, definition);
   reader.bits("group", definition.group);
   reader.bits("collides_with", definition.collides_with);
-  reader.number("importance", kNotNegative, definition.importance);
+  reader.number("importance", kImportance, definition.importance);
   check_static(reader, plane, body);
   scene.bodies.push_back(std::move(body));
 }
@@ -235,8 +239,8 @@ void parse_materials(const JsonValue& value, Problems& problems, Scene& scene) {
                               {"restitution", "friction", "density_kgpm3"});
     SceneMaterial made{std::string(value.keys()[i]), {}};
     reader.number("restitution", kFactor, made.material.restitution);
-    reader.number("friction", kNotNegative, made.material.friction);
-    reader.number("density_kgpm3", kPositive, made.material.density_kgpm3);
+    reader.number("friction", kFriction, made.material.friction);
+    reader.number("density_kgpm3", kDensity, made.material.density_kgpm3);
     scene.materials.push_back(std::move(made));
   }
 }

@@ -70,19 +70,9 @@ Status SceneRun::Impl::add(const BodyDefinition& definition, std::size_t shape, 
 }
 
 Status SceneRun::Impl::add_generated(const io::GeneratedBody& body) {
-  BodyDefinition definition;
-  // The World takes the position of the shape's origin; generators give the centre of mass.
-  definition.position_m = body.center_m - body.orientation * shapes[body.shape]->origin_offset_m;
-  definition.orientation = body.orientation;
-  if (body.is_static) definition.motion = MotionType::Static;
-  definition.velocity_mps = body.velocity_mps;
-  definition.angular_velocity_radps = body.angular_velocity_radps;
-  definition.group = body.kind->group;
-  definition.collides_with = body.kind->collides_with;
-  definition.importance = body.kind->importance;
   next_leave_s = std::min(next_leave_s, body.leaves_s);
   leave_s.push_back(body.leaves_s);
-  return add(definition, body.shape, body.kind->material, "generators");
+  return add(io::definition_of(body, *shapes[body.shape]), body.shape, body.kind->material, "generators");
 }
 
 double SceneRun::Impl::leaves_s(const RunBody& body) const {

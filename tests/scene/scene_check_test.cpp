@@ -48,6 +48,32 @@ TEST(SceneCheck, FindsNothingWrongWithASoundScene) {
   EXPECT_EQ(check.deadline_ms, 10);
 }
 
+/// The error of a scene that a run refuses too, with the same words.
+std::string error_of(const std::string& text) {
+  const io::SceneCheck check = check_of(text);
+  EXPECT_EQ(check.errors.size(), 1U) << text;
+  const Result<Scene> scene = parse_scene(text, "s.json", "/nowhere");
+  const Result<SceneRun> run = SceneRun::create(scene.value(), serial());
+  EXPECT_FALSE(run) << text;
+  if (run || check.errors.empty()) return {};
+  EXPECT_EQ(check.errors.front(), run.error().message);
+  return check.errors.front();
+}
+
+TEST(SceneCheck, RefusesWhatARunRefuses) {
+  EXPECT_EQ(
+      error_of(scene_text("", bodies_at({R"("position_m": [0, 0, 0.5], "inertia_kgm2": [1e-30, 1, 1])"}))),
+      "s.json: bodies[1]: inertia_kgm2 = [1e-30, 1, 1], each must be >= 1.3089969389957472e-10 (the mass times the "
+      "square of the bounding radius, times 1e-12)");
+  const std::string tiny = R"({"name": "t", "dt_s": 0.01, "materials": {"m": {"density_kgpm3": 1e-9}},
+    "shapes": {"ball": {"sphere": {"radius_m": 1e-4}}}, )";
+  const std::string rule = "mass from density and volume, mass_kg = 4.188790204786391e-21, must be in [1e-18, 1e+18]";
+  EXPECT_EQ(error_of(tiny + R"("bodies": [{"shape": "ball", "material": "m"}]})"), "s.json: bodies[0]: " + rule);
+  EXPECT_EQ(error_of(tiny + R"("generators": [{"grid": {"shapes": ["ball"], "material": "m", "spacing_m": 1,
+                                "count": [1, 1, 2]}}]})"),
+            "s.json: generators: " + rule);
+}
+
 TEST(SceneCheck, FindsNothingWrongWithTheScenesThatShip) {
   for (const auto& entry : std::filesystem::directory_iterator(POISE_SOURCE_DIR "/scenes")) {
     if (entry.path().extension() != ".json") continue;

@@ -182,8 +182,8 @@ TEST(SceneRefusals, NameTheFieldOfABody) {
                   R"([{"shape": "ball", "material": "hard", "static": true, "angular_velocity_radps": [0, 0, 1]}])"),
        "bodies[0].angular_velocity_radps = [0, 0, 1], must be zero for a static body"},
       body(R"("mass": 2)", "bodies[1].mass: no such field; did you mean \"mass_kg\"?"),
-      body(R"("mass_kg": -1)", "bodies[1].mass_kg = -1, must be > 0"),
-      body(R"("mass_kg": 0)", "bodies[1].mass_kg = 0, must be > 0"),
+      body(R"("mass_kg": -1)", "bodies[1].mass_kg = -1, must be >= 1e-18"),
+      body(R"("mass_kg": 0)", "bodies[1].mass_kg = 0, must be >= 1e-18"),
       body(R"("mass_kg": "2")", "bodies[1].mass_kg = \"2\", must be a number"),
       body(R"("mass_kg": 1e400)", "bodies[1].mass_kg = 1e400, cannot be represented as a double (line 2)"),
       body(R"("motion": "driven")", "bodies[1].motion = \"driven\", must be \"static\", \"kinematic\" or \"dynamic\""),
@@ -201,6 +201,7 @@ TEST(SceneRefusals, NameTheFieldOfABody) {
       body(R"("inertia_kgm2": [1, 1, 0])", "bodies[1].inertia_kgm2[2] = 0, must be > 0"),
       body(R"("group": 4294967296)", "bodies[1].group = 4294967296, must be a whole number from 0 to 4294967295"),
       body(R"("importance": -0.5)", "bodies[1].importance = -0.5, must be >= 0"),
+      body(R"("importance": 2e6)", "bodies[1].importance = 2e6, must be <= 1e+06"),
   });
 }
 
@@ -210,8 +211,10 @@ TEST(SceneRefusals, NameTheFieldOfAMaterialOrAShape) {
        "materials.m.restitution = 1.5, must be <= 1"},
       {R"({"name": "x", "dt_s": 1, "materials": {"m": {"friction": -1}}, "shapes": {}})",
        "materials.m.friction = -1, must be >= 0"},
+      {R"({"name": "x", "dt_s": 1, "materials": {"m": {"friction": 2e6}}, "shapes": {}})",
+       "materials.m.friction = 2e6, must be <= 1e+06"},
       {R"({"name": "x", "dt_s": 1, "materials": {"odd name": {"density_kgpm3": 0}}, "shapes": {}})",
-       "materials[\"odd name\"].density_kgpm3 = 0, must be > 0"},
+       "materials[\"odd name\"].density_kgpm3 = 0, must be >= 1e-09"},
       {R"({"name": "x", "dt_s": 1, "materials": {"m": {"density": 2}}, "shapes": {}})",
        "materials.m.density: no such field; did you mean \"density_kgpm3\"?"},
       shape("{}", "shapes.s: must have exactly one of sphere, plane, mesh, spheres, tree"),

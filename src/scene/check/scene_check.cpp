@@ -9,6 +9,7 @@
 
 #include "assets/json/json_document.h"
 #include "parallel/executor.h"
+#include "scene/check/admission.h"
 #include "scene/check/placed_bodies.h"
 #include "scene/scene_memory.h"
 #include "scene/scene_parse.h"
@@ -206,7 +207,9 @@ void Checker::bodies() {
     check_.errors.push_back(made.error().message);
     return;
   }
+  check_.errors = refused_by_world(scene_, shapes_, made.value(), kMostLookedAt);
   if (scene_.tray) add_tray_planes();
+  if (!check_.errors.empty()) return;
   const std::uint64_t most = most_at_once(made.value());
   check_.bodies = bodies_.size() + most;
   for (const PlacedBody& body : bodies_) check_.dynamic_bodies += body.is_static ? 0 : 1;
