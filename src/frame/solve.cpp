@@ -32,6 +32,9 @@ solver::LaneMemory& memory_of(const SolveInput& input, Velocities& velocities) {
   return input.memory != nullptr ? *input.memory : velocities.lane_memory;
 }
 
+// Has the pair one contact that is exact, in place of those of spheres? That of polygons, or of a fast body.
+bool solves_one_contact(const PairProgress& progress) { return progress.by_polygons() || progress.exact; }
+
 // Memory for the sphere contacts of each pair that the paper's model solves.
 void reserve_sphere_points(const SolveInput& input, Velocities& velocities) {
   if (input.terms.contact != ContactModel::Paper) return;
@@ -41,7 +44,7 @@ void reserve_sphere_points(const SolveInput& input, Velocities& velocities) {
   for (const solver::Manifold& manifold : input.manifolds.manifolds) {
     const PairProgress& pair = input.levels.progress[manifold.pair];
     velocities.points_begin.push_back(points);
-    if (!pair.by_polygons()) points += pair.level.front_entries;
+    if (!solves_one_contact(pair)) points += pair.level.front_entries;
   }
   velocities.points.resize(points);
 }
@@ -200,7 +203,7 @@ class PairRows final : public solver::RowSource {
   void fill_points(const ActivePair& pair, const PairProgress& progress, std::uint32_t index,
                    solver::ContactRow& row) const {
     row.points_begin = row.points_end = velocities_.points_begin[index];
-    if (progress.by_polygons()) return;  // one contact, exact: the row itself
+    if (solves_one_contact(progress)) return;  // the row itself
     const PairRefiner refiner{input_.scene, input_.terms.contact};
     const collision::PairFrame frame = frame_of(refiner, posed(input_.motion, pair));
     const Mat3& turn = input_.motion.poses[pair.a].rotation;

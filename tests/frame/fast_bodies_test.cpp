@@ -338,6 +338,77 @@ TEST(FastBodies, OffNothingOfItHappens) {
   }
 }
 
+TEST(FastBodies, WhatAForceMakesFastInItsVeryStepIsStopped) {
+  for (const double speed : {20.0, 100.0, 800.0}) {
+    Stage stage(one_thread_with_gravity(), 0.0);
+    BodyDefinition plate;
+    plate.shape = stage.world.add_shape(plate_shape(PlateKind::Mesh));
+    plate.material = stage.material;
+    plate.motion = MotionType::Static;
+    ASSERT_TRUE(stage.world.add_body(plate).ok());
+    const BodyId ball = stage.add(stage.ball(kBulletM), Vec3(0.01, 0.02, 0.1));
+    const double kg = stage.world.mass_kg(ball).value();
+    ASSERT_TRUE(stage.world.apply_force(ball, Vec3(0, 0, -speed * 60 * kg), stage.at(ball).position_m).ok());
+    for (int frame = 0; frame < 3; ++frame) stage.world.step(swept_step(1.0 / 60));
+    EXPECT_GT(stage.at(ball).position_m.z(), 0) << speed;
+  }
+}
+
+// Each model answers a pair that touches at the start by its one exact contact.
+TEST(FastBodies, AFastBallOffTheMiddleOfABoxLeavesStraightUpWithAnyModel) {
+  const ShapePtr box =
+      make_mesh_shape(test::box_mesh(Vec3(2, 2, 0.4)), {.depth = 2, .preset = TreePreset::Fast}).value();
+  for (const ContactModel model : {ContactModel::Paper, ContactModel::Wrench, ContactModel::Fitted}) {
+    WorldSettings settings;
+    settings.executor = ExecutorKind::Serial;
+    settings.contact = model;
+    Stage stage(settings, 1.0);
+    BodyDefinition body;
+    body.shape = stage.world.add_shape(box);
+    body.material = stage.material;
+    body.motion = MotionType::Static;
+    ASSERT_TRUE(stage.world.add_body(body).ok());
+    const BodyId ball = stage.add(stage.ball(0.1), Vec3(0.3, 0.1, 0.30001), Vec3(0, 0, -50));
+    // Meshes too, which fall on it with a face.
+    const BodyId cube = stage.add(stage.world.add_shape(bullet_shape(true)), Vec3(-0.5, 0, 0.22501), Vec3(0, 0, -60));
+    for (int frame = 0; frame < 3; ++frame) stage.world.step(swept_step(1.0 / 60));
+    EXPECT_LT((stage.at(ball).velocity_mps - Vec3(0, 0, 50)).norm(), 1e-6) << static_cast<int>(model);
+    EXPECT_GT(stage.at(cube).velocity_mps.z(), 40) << static_cast<int>(model);
+  }
+}
+
+// After a hit by a corner the others still come down, and the plate is within the tolerance of the one that was hit.
+TEST(FastBodies, ABoxThatTurnsOnItsCornerGoesOnAndGainsNothing) {
+  const ShapePtr box =
+      make_mesh_shape(test::box_mesh(Vec3(1, 0.1, 0.1)), {.depth = 2, .preset = TreePreset::Fast}).value();
+  const ShapePtr wide =
+      make_mesh_shape(test::box_mesh(Vec3(8, 8, 0.02)), {.depth = 2, .preset = TreePreset::Fast}).value();
+  for (const double speed : {20.0, 60.0}) {
+    Stage stage(one_thread_with_gravity(), 0.5);
+    BodyDefinition plate;
+    plate.shape = stage.world.add_shape(wide);
+    plate.material = stage.material;
+    plate.motion = MotionType::Static;
+    ASSERT_TRUE(stage.world.add_body(plate).ok());
+    const BodyId thrown = stage.add(stage.world.add_shape(box), Vec3(0.3, 0.2, 2), Vec3(0, 0, -speed),
+                                    Vec3(0.3, 0.5, 0.2), Quat(1, 0.3, 0.2, 0.1).normalized());
+    const auto energy = [&] {
+      const Conserved now = stage.world.conserved();
+      return now.kinetic_j + now.potential_j;
+    };
+    const double before = energy();
+    StepInput input = swept_step(1.0 / 60);
+    input.polygons = true;
+    std::size_t cut = 0;
+    for (int frame = 0; frame < 120; ++frame) {
+      cut += stage.world.step(input).swept_cut;
+      ASSERT_LE(energy(), before * (1 + 1e-9)) << speed << ", frame " << frame;
+      ASSERT_GT(stage.at(thrown).position_m.z(), -0.1) << speed << ", frame " << frame;
+    }
+    EXPECT_LE(cut, 2U) << speed;
+  }
+}
+
 TEST(FastBodies, GravityAndTheRestOfTheStepCostNoEnergyWithoutAHitAndGainNoneWithOne) {
   WorldSettings settings;
   settings.gravity_mps2 = Vec3(0, 0, -9.81);

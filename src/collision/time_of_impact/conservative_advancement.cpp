@@ -183,20 +183,30 @@ class TimeMeasure {
     const double slack = gap.gap_m - 0.5 * std::min(gap.gap_m, tolerance_m_);
     // Three bounds, the best of them: by the largest rate; by the present motion of the corners and what it may change,
     // whose second derivative is at most twice arm rate^2; and by how far turning can carry at all.
-    double turning = 0;
-    double most_a = -kNever;
-    for (const Vec3& corner : a.all()) most_a = std::max(most_a, n.dot(a_.velocity_at(corner)));
-    double least_b = corners_b.empty() ? 0 : kNever;
-    for (const Vec3& corner : corners_b) least_b = std::min(least_b, n.dot(b_.velocity_at(corner)));
-    turning = straight + most_a - least_b;
     const double change = 2 * (a_.rate_radps * a_.rate_radps * arm_a + b_.rate_radps * b_.rate_radps * arm_b);
-    const double under = turning + std::sqrt(turning * turning + 2 * change * slack);
-    double time_s = used_up_s(slack, straight + carried);
-    if (under > 0) time_s = std::max(time_s, 2 * slack / under);
+    double corners_s = kNever;
+    for_corners(a_, a.all(), n, [&](double behind_a, double rate_a) {
+      for_corners(b_, corners_b, -n, [&](double behind_b, double rate_b) {
+        const double way = slack + behind_a + behind_b;
+        const double closing_mps = straight + rate_a + rate_b;
+        const double under = closing_mps + std::sqrt(closing_mps * closing_mps + 2 * change * way);
+        if (under > 0) corners_s = std::min(corners_s, 2 * way / under);
+      });
+    });
+    double time_s = std::max(used_up_s(slack, straight + carried), corners_s);
     time_s = std::max(time_s, used_up_s(slack - swing(a_, arm_a) - swing(b_, arm_b), straight));
     keep(time_s, false);
   }
 
+  // Calls use(behind_m, rate_mps) for corners of a part: how far each is behind the foremost one along `ahead`, and how
+  // fast turning carries it ahead. Once, with zeros, for what has none (a half-space).
+  template <class Use>
+  static void for_corners(const Turning& turning, std::span<const Vec3> corners, const Vec3& ahead, Use&& use) {
+    if (corners.empty()) use(0.0, 0.0);
+    double foremost_m = -kNever;
+    for (const Vec3& corner : corners) foremost_m = std::max(foremost_m, ahead.dot(corner));
+    for (const Vec3& corner : corners) use(foremost_m - ahead.dot(corner), ahead.dot(turning.velocity_at(corner)));
+  }
   [[nodiscard]] bool slides(double gap_m, double closing_mps) const {
     return closing_mps * limit_s_ <= kSliding * gap_m;
   }

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <limits>
 #include <span>
+#include <utility>
 
 #include "collision/triangles/convex_gap.h"
 #include "geometry/shape/shape_surface.h"
@@ -40,7 +41,8 @@ inline BoundingBall ball_of(const StandingShape& s, NodeIndex node) {
   return ball_of(s, sphere.center_m, sphere.radius_m);
 }
 
-/// Calls visit(part, ball around it) for the convex parts of a leaf: the triangles that meet it, or its own ball.
+/// Calls visit(index, part, ball around it) for the convex parts of a leaf: the triangles that meet it, or its own
+/// ball. A part has the same index in each leaf.
 template <class Visit>
 void for_parts(const StandingShape& s, NodeIndex leaf, Visit&& visit) {
   ConvexPart part;
@@ -48,7 +50,7 @@ void for_parts(const StandingShape& s, NodeIndex leaf, Visit&& visit) {
     const BoundingBall ball = ball_of(s, leaf);
     part.corner_m[0] = ball.center_m;
     part.radius_m = ball.radius_m;
-    visit(part, ball);
+    visit(std::uint32_t{leaf}, part, ball);
     return;
   }
   const ShapeSurface& surface = *s.shape->surface;
@@ -59,9 +61,27 @@ void for_parts(const StandingShape& s, NodeIndex leaf, Visit&& visit) {
       for (std::size_t k = 0; k < 3; ++k) part.corner_m[k] = s.point(surface.vertices_m[t.vertex[k]]);
       return part;
     };
-    visit(place, ball_of(s, t.center_m, t.radius_m));
+    visit(index, place, ball_of(s, t.center_m, t.radius_m));
   }
 }
+
+/// Pairs of parts that a descent has met. A large triangle is in many leaves: of two boxes of twelve triangles each
+/// pair would be computed a dozen times. May forget a pair, so that it is met again.
+class MetParts {
+ public:
+  void clear() { keys_.fill(kNone); }
+  /// Whether the pair was not met since clear(), as far as is known.
+  [[nodiscard]] bool first(std::uint32_t a, std::uint32_t b) {
+    const std::uint64_t key = (std::uint64_t{a} << 32U) | b;
+    std::uint64_t& place = keys_[(a * 61U + b) % kPlaces];
+    return std::exchange(place, key) != key;
+  }
+
+ private:
+  static constexpr std::size_t kPlaces = 512;  // chosen: 4 KB
+  static constexpr std::uint64_t kNone = ~std::uint64_t{0};
+  std::array<std::uint64_t, kPlaces> keys_;
+};
 
 /// A simultaneous descent of two trees, or of one against a plane, to the parts that may improve the result, best bound
 /// first, with bounded work.
@@ -78,6 +98,7 @@ class Descent {
   template <class Measure>
   double run(const StandingShape& a, const StandingShape& b, Measure& measure) {
     const bool with_plane = b.shape->kind == ShapeKind::Plane;
+    met_.clear();
     std::array<Waiting, kStack> stack;
     std::size_t waiting = 1;
     stack[0] = {0, 0, with_plane ? measure.to_plane(ball_of(a, NodeIndex{0})) : bound(a, 0, b, 0, measure)};
@@ -143,13 +164,15 @@ class Descent {
   template <class Measure>
   bool leaves(const StandingShape& a, NodeIndex na, const StandingShape& b, NodeIndex nb, Measure& measure) {
     const BoundingBall whole_b = ball_of(b, nb);
-    for_parts(a, na, [&](const auto& part_a, const BoundingBall& ball_a) {
+    for_parts(a, na, [&](std::uint32_t index_a, const auto& part_a, const BoundingBall& ball_a) {
       spend();
       if (left_ == 0 || measure.of_balls(ball_a, whole_b) >= measure.best()) return;
       const ConvexPart placed_a = placed(part_a);
-      for_parts(b, nb, [&](const auto& part_b, const BoundingBall& ball_b) {
-        spend();
+      // What its ball excludes is not charged: it would count otherwise for b as a, by how many parts each has.
+      for_parts(b, nb, [&](std::uint32_t index_b, const auto& part_b, const BoundingBall& ball_b) {
         if (left_ == 0 || measure.of_balls(ball_a, ball_b) >= measure.best()) return;
+        if (!met_.first(index_a, index_b)) return;
+        spend();
         measure.of_parts(placed_a, placed(part_b));
       });
     });
@@ -158,13 +181,14 @@ class Descent {
 
   template <class Measure>
   void leaf_to_plane(const StandingShape& a, NodeIndex na, Measure& measure) {
-    for_parts(a, na, [&](const auto& part, const BoundingBall& ball) {
+    for_parts(a, na, [&](std::uint32_t, const auto& part, const BoundingBall& ball) {
       spend();
       if (measure.to_plane(ball) < measure.best()) measure.part_to_plane(placed(part));
     });
   }
 
   std::uint32_t left_;
+  MetParts met_;
 };
 
 }  // namespace poise::collision

@@ -106,9 +106,11 @@ bool sweep_if_fast(const PredictInput& input, std::uint32_t slot, SweptBounds& s
   const dynamics::BodyStore& bodies = input.scene.bodies;
   if (bodies.dynamic[slot] == 0) return false;
   const double h = input.terms.dt_s;
-  // By the speed alone: what gravity adds in a step does not make a body fast that has only begun to fall.
+  // What gravity adds in a step does not make a body fast that has only begun to fall; what the caller does to it does.
   const double slack_m = swept_slack_m(input.scene, slot);
-  if (bodies.velocity(slot).norm() * h <= slack_m) return false;
+  Vec3 velocity_mps = bodies.velocity(slot);
+  if (bodies.pushed[slot] != 0) velocity_mps += 0.5 * h * bodies.inverse_mass[slot] * bodies.force(slot);
+  if (velocity_mps.norm() * h <= slack_m) return false;
   collision::SweptBound bound;
   const double radius = bodies.shape[slot]->bounding_radius_m * (1.0 + kEnlarged) + slack_m;
   bound.start = {bodies.position(slot), radius, slot, bodies.group[slot], bodies.collides_with[slot], true};

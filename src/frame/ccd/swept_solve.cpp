@@ -24,11 +24,13 @@ Vec3 planned_motion_m(const Velocities& velocities, std::size_t i, double h_s) {
   return h_s * solved.velocity_mps - (0.5 * h_s * h_s) * velocities.acceleration_of(i).linear_mps2;
 }
 
-// Its velocity on the way: forces act all along it, unless contacts hold it.
+// Its velocity on the way: forces act all along it, unless contacts hold it. What has a contact that does not hold it
+// must not gain, where it is stopped, what forces would have given it on the rest of its way.
 Vec3 velocity_at_mps(const Velocities& velocities, std::size_t i, double time_s, double h_s) {
   const solver::SolverBody& solved = velocities.bodies[i];
-  if (solved.solved) return solved.velocity_mps;
-  return solved.velocity_mps - (h_s - time_s) * velocities.acceleration_of(i).linear_mps2;
+  const Vec3 before_mps = solved.velocity_mps - (h_s - time_s) * velocities.acceleration_of(i).linear_mps2;
+  const bool held = solved.solved && before_mps.squaredNorm() >= solved.velocity_mps.squaredNorm();
+  return held ? solved.velocity_mps : before_mps;
 }
 
 // When a body has to stop so that it does not leave what was swept for it: a slow one its slack (and what forces move
@@ -93,7 +95,7 @@ MovingBody moving_body_at(const Trajectory& trajectory, double time_s) {
 
 // All searches of a step share so many pairs of nodes, but each has the least of them. Chosen: where hundreds of bodies
 // spin at 1e8 rad/s each search goes to its limit, and a step took seconds.
-constexpr std::size_t kNodePairsOfStep = std::size_t{1} << 22U, kLeastNodePairs = std::size_t{1} << 12U;
+constexpr std::size_t kNodePairsOfStep = std::size_t{1} << 19U, kLeastNodePairs = std::size_t{1} << 11U;
 
 std::uint32_t node_pairs_of_search(std::size_t searches) {
   const std::size_t share = std::max(kLeastNodePairs, kNodePairsOfStep / std::max<std::size_t>(1, searches));
