@@ -18,8 +18,8 @@ constexpr double kInitialVariance = 3.0;
 // The same for a coefficient that another run has learned. Chosen: scenes differ by about this much.
 constexpr double kPriorDeviation = 0.5;
 constexpr double kMostPriorUs = 1e9;
-// Far beyond any frame, and within the range of Nanoseconds.
-constexpr double kMostUs = 9e15;
+// Far beyond any frame, and sums of some of them are within the range of Nanoseconds.
+constexpr double kMostUs = 9e12;
 
 }  // namespace
 
@@ -50,7 +50,7 @@ LinearForecast::LinearForecast(std::span<const ForecastFeature> features, std::s
     prior_us_[i] = coefficient_us_[i] = features[i].prior_us;
   }
   const bool known = learned_us.size() == size_ && std::all_of(learned_us.begin(), learned_us.end(),
-                                                               [](double us) { return std::isfinite(us) && us >= 0; });
+                                                               [](double us) { return us >= 0 && us <= kMostPriorUs; });
   if (known) std::copy(learned_us.begin(), learned_us.end(), coefficient_us_.begin());
   set_initial_variance(kInitialVariance);
   if (!known) return;

@@ -45,7 +45,8 @@ struct FilteredPair {
 /// Called in the coarse stage of every step, once for each candidate pair whose bounding spheres may meet in the step
 /// and whose groups agree. Any thread may call it, several at once. It must be pure (the same result for the same pair
 /// as long as its data is unchanged), fast, must not throw and must not call the World. Its data may change between
-/// steps. It is not part of the state: a replay needs the same filter.
+/// steps, but about bodies that sleep it is not asked: setting the filter again wakes all, and a body's user data wakes
+/// that body. It is not part of the state: a replay needs the same filter.
 struct PairFilter {
   bool (*function)(void* context, const FilteredPair& pair) = nullptr;  ///< null: all pairs collide, at no cost
   void* context = nullptr;                                              ///< passed to the function
@@ -302,6 +303,11 @@ class World {
   /// that changes the World ends such a step first, however long it takes, and what is recorded of it cannot be
   /// replayed: hosts keep their changes until no step is unfinished.
   [[nodiscard]] bool step_unfinished() const;
+  /// Waits for threads that the last step did not wait for (FrameReport::jobs_abandoned), each for at most a level of a
+  /// pair. Only a policy's own function (scheduler::HostPolicy) may still be called on such a thread after the step:
+  /// call this before what it reads is changed. Calls that change the World, the next step among them, do it
+  /// themselves.
+  void wait_for_workers();
 
   /// The pairs that touched in the last step, in order of (a, b), by the definition of contact_events(): their surfaces
   /// met or they exchanged an impulse. Contacts of bodies that were removed since are omitted, and those of bodies that

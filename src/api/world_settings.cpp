@@ -134,6 +134,9 @@ Status World::set_user_data(BodyId body, std::uint64_t user_data) {
   if (!contains(body)) return stale_body(body);
   simulation::end_sliced_step(*state_);
   state_->settle();
+  // A filter may go by it, and what sleeps is not asked about.
+  if (state_->pair_filter.function != nullptr && state_->bodies.user_data[body.slot] != user_data)
+    simulation::request_wake(state_->sleep_access(), body.slot);
   state_->bodies.user_data[body.slot] = user_data;
   return Done{};
 }

@@ -120,19 +120,29 @@ Contact contact_at(const PublishInput& input, const PointCache& points, std::siz
   return contact;
 }
 
-// Was a body of the pair removed since the step?
-bool was_removed(std::span<const BodyId> removed, const ActivePair& pair) {
-  return std::any_of(removed.begin(), removed.end(),
-                     [&](const BodyId& body) { return body.slot == pair.a || body.slot == pair.b; });
-}
+// The bodies that were removed since the step.
+class Removed {
+ public:
+  explicit Removed(std::span<const BodyId> bodies) {
+    for (const BodyId& body : bodies) slots_.push_back(body.slot);
+    std::sort(slots_.begin(), slots_.end());
+  }
+  // Is one of them in the pair?
+  [[nodiscard]] bool in(const ActivePair& pair) const { return has(pair.a) || has(pair.b); }
+
+ private:
+  [[nodiscard]] bool has(std::uint32_t slot) const { return std::binary_search(slots_.begin(), slots_.end(), slot); }
+
+  std::vector<std::uint32_t> slots_;
+};
 
 // Pairs that met within the step, put in among the others.
-void add_swept_contacts(const PublishInput& input, std::span<const BodyId> removed, std::vector<Contact>& contacts) {
+void add_swept_contacts(const PublishInput& input, const Removed& removed, std::vector<Contact>& contacts) {
   const dynamics::BodyStore& bodies = input.scene.bodies;
   if (input.velocities.swept.hits.empty()) return;
   for (const SweptHit& hit : input.velocities.swept.hits) {
     const ActivePair& pair = input.table.pairs[hit.pair];
-    if (was_removed(removed, pair)) continue;
+    if (removed.in(pair)) continue;
     const double sign = pair.a == pair.low() ? 1.0 : -1.0;
     Contact contact;
     contact.a = bodies.id_of(pair.low());
@@ -348,13 +358,14 @@ Contact contact_outline(const PublishInput& input, const PointCache& points, std
   return contact;
 }
 
-std::vector<Contact> list_contacts(const PublishInput& input, const PointCache& points, std::span<const BodyId> removed,
-                                   ContactListing listing) {
+std::vector<Contact> list_contacts(const PublishInput& input, const PointCache& points,
+                                   std::span<const BodyId> removed_bodies, ContactListing listing) {
+  const Removed removed(removed_bodies);
   const Manifolds& manifolds = input.manifolds;
   std::vector<Contact> contacts;
   for (std::size_t m = 0; m < manifolds.manifolds.size(); ++m) {
     // Asked first: of a body that was removed there is no shape any more.
-    if (was_removed(removed, input.table.pairs[manifolds.manifolds[m].pair])) continue;
+    if (removed.in(input.table.pairs[manifolds.manifolds[m].pair])) continue;
     if (listing != ContactListing::Solved && !touches(input, points, m)) continue;
     contacts.push_back(contact_at(input, points, m));
   }

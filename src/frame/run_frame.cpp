@@ -116,7 +116,8 @@ RefineInput refine_input(const WorldState& world, const StepInput& input, const 
           settings.substeps,
           settings.max_front_entries,
           begun,
-          settings.islands_wait};
+          settings.islands_wait,
+          frame.candidates.pairs};
 }
 
 parallel::Executor& executor_of(WorldState& world, SlicedStep* sliced) {

@@ -142,6 +142,10 @@ FrameReport run_slice(WorldState& world, const StepInput& input) {
   SlicedStep& sliced = *world.sliced;
   const bool limited = input.budget.kind == Budget::Kind::Deadline;
   if (limited) sliced.slice = time_of_step(input, start, world.forecasts);
+  // A host that leaves it no time gets to its end too: from the frame on by which a step should have ended, late or
+  // not.
+  constexpr Nanoseconds kLeastSlice(static_cast<std::int64_t>(kLeastFrameNs));
+  if (limited && world.frames_unfinished >= kMostTurns) sliced.slice = std::max(sliced.slice, kLeastSlice);
   if (!sliced.task.unfinished() && !begin(world, input, sliced)) return run_frame(world, input);
   sliced.frame = &input;
   sliced.slice_begun = start;
@@ -219,7 +223,9 @@ void hide_end(WorldState& world, SlicedStep& sliced) {
 }
 
 void end_sliced_step(WorldState& world) {
-  if (world.in_slices()) go_on(world, *world.sliced, SteadyClock::time_point::max());
+  if (!world.in_slices()) return;
+  go_on(world, *world.sliced, SteadyClock::time_point::max());
+  ++world.changes;
 }
 
 }  // namespace poise::simulation

@@ -253,6 +253,25 @@ TEST(PairFilter, LetsPairsPassThroughEachOther) {
   EXPECT_GT(stage.world.state(balls[2]).value().position_m.z(), 0.2);
 }
 
+TEST(PairFilter, UserDataThatItMayGoByWakesTheBody) {
+  WorldSettings settings = heavy();
+  settings.sleeping = true;
+  Stage stage(settings);
+  stage.plane(Vec3::UnitZ(), 0);
+  const BodyId ball = stage.add(stage.ball(0.5), Vec3(0, 0, 0.5));
+  PairFilter filter;
+  filter.function = [](void*, const FilteredPair& pair) { return pair.user_data_a != 7 && pair.user_data_b != 7; };
+  stage.world.set_pair_filter(filter);
+  for (int frame = 0; frame < 300 && !stage.world.asleep(ball).value(); ++frame) stage.world.step({});
+  ASSERT_TRUE(stage.world.asleep(ball).value());
+  ASSERT_TRUE(stage.world.set_user_data(ball, 0));
+  stage.world.step({});
+  EXPECT_TRUE(stage.world.asleep(ball).value()) << "it is what it was";
+  ASSERT_TRUE(stage.world.set_user_data(ball, 7));
+  for (int frame = 0; frame < 60; ++frame) stage.world.step({});
+  EXPECT_LT(stage.at(ball).position_m.z(), -1);
+}
+
 TEST(PairFilter, ThatLetsAllMeetChangesNoBit) {
   Stage with(heavy());
   Stage without(heavy());

@@ -356,6 +356,22 @@ TEST(FrameTime, WhatOneWorldLearnedIsWhereAnotherBegins) {
   other.world.set_time_priors(senseless);
   EXPECT_GE(other.world.time_priors().tail_us[1], 0);
   EXPECT_GT(other.world.time_priors().unit_cost_ns, 0);
+  // Nor are years a cost that a run has learned.
+  StepInput roomy = step_of(1.0 / 60);
+  for (const double us : {1e12, 1e100, 1.7e308}) {
+    senseless.tail_us.fill(us);
+    senseless.head_us.fill(us);
+    senseless.unit_cost_ns = us;
+    other.world.set_time_priors(senseless);
+    for (int frame = 0; frame < 5; ++frame) {
+      roomy.budget = Budget::within(std::chrono::hours(1));
+      const FrameReport report = other.world.step(roomy);
+      EXPECT_FALSE(report.infeasible_forecast) << us;
+      EXPECT_GE(report.mandatory_forecast.count(), 0) << us;
+    }
+    EXPECT_LE(other.world.time_priors().tail_us[1], 1e9);
+    EXPECT_LE(other.world.time_priors().unit_cost_ns, 1e9);
+  }
 }
 
 TEST(FrameTime, ASmallerAlphaKeepsMore) {

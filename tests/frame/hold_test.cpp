@@ -76,6 +76,21 @@ TEST(Hold, WhatMovesIsPushedOrDrivenDoesNotWaitAndWhatLiesApartFromItDoes) {
   EXPECT_EQ(stage.world.step(hopeless()).degraded.bodies_held, 0U);
 }
 
+TEST(Hold, WhatFollowsAtTheSameSpeedDoesNotRunIntoWhatWaits) {
+  Stage stage(gravity_on(1), 0.0);
+  const ShapeId ball = stage.ball(0.1);
+  const Vec3 velocity(40, 0, 0);
+  const BodyId first = stage.add(ball, Vec3(0, 0.0999, 50), velocity);
+  stage.add(ball, Vec3(0, -0.0999, 50), velocity);
+  // Two thirds of a metre a step, and no pair by how they move against each other.
+  const BodyId follows = stage.add(ball, Vec3(-0.5, 0.0999, 50), velocity);
+  stage.world.step(unlimited());
+  for (int i = 0; i < 10; ++i) {
+    stage.world.step(hopeless());
+    ASSERT_NEAR(stage.at(first).position_m.x() - stage.at(follows).position_m.x(), 0.5, 1e-3) << i;
+  }
+}
+
 TEST(Hold, WhatMovesWaitsTooWhereItMayAfterWhatIsNearRest) {
   Stage stage(gravity_on(1), 0.0);
   stage.plane(Vec3::UnitZ(), 0);

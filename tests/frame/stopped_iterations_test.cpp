@@ -17,14 +17,14 @@ TEST(Decisions, IterationsThatTheClockStoppedAreStoppedAgain) {
   fill(c, stage);
   StepInput input = input_of(c);
   input.record = true;
-  input.budget = Budget::within(std::chrono::hours(1));
+  input.budget = Budget::within(std::chrono::minutes(15));
   Recorded recorded;
   std::size_t first_stopped = 0;
   std::size_t stopped = 0;
   for (std::size_t i = 0; i < 90; ++i) {
-    // From here on all of the hour is kept for what comes after the iterations.
+    // From here on all of the time is kept for what comes after the iterations.
     scheduler::TailForecast::Features rest_us{};
-    rest_us[0] = i < 50 ? 0 : 1e10;
+    rest_us[0] = i < 50 ? 0 : 1e9;
     simulation::WorldAccess::of(stage.world).forecasts.rest = scheduler::TailForecast(rest_us);
     const FrameReport report = stage.world.step(input);
     recorded.decisions.emplace_back();

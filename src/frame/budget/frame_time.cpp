@@ -439,8 +439,11 @@ void forget_times(Forecasts& forecasts, double alpha, const scheduler::TimePrior
   forecasts.margin =
       scheduler::TrackedQuantile(alpha, scheduler::TrackedQuantile::eta_for(known ? priors.spread : 0), log_quantile);
   forecasts.host_work = scheduler::DurationForecast(alpha);
-  forecasts.unit_cost_ns =
-      known && std::isfinite(priors.unit_cost_ns) && priors.unit_cost_ns > 0 ? priors.unit_cost_ns : kUnknownUnitCostNs;
+  // A unit of a second is none. Chosen.
+  constexpr double kMostUnitCostNs = 1e9;
+  forecasts.unit_cost_ns = known && priors.unit_cost_ns > 0 && priors.unit_cost_ns <= kMostUnitCostNs
+                               ? priors.unit_cost_ns
+                               : kUnknownUnitCostNs;
   forecasts.solved_share = 1;
   forecasts.times = {};
 }

@@ -144,6 +144,22 @@ void Islands::unite_near(double apart_s) {
   });
 }
 
+// Pairs are near or not by how their bodies move against each other. What follows another at its speed runs into it
+// if that one stands still.
+void Islands::unite_in_reach() {
+  const std::span<const collision::CandidatePair> candidates = input_.candidates;
+  const parallel::UnsetVector<BodyBounds>& bounds = input_.motion.body_bounds;
+  each(candidates.size(), [&](std::uint32_t i) {
+    const auto [low, high] = std::pair(candidates[i].low, candidates[i].high);
+    if (bodies_.dynamic[low] == 0 || bodies_.dynamic[high] == 0) return;
+    const BodyBounds& a = bounds[low];
+    const BodyBounds& b = bounds[high];
+    const double moved_m = std::max(a.bound_m - a.radius_m, b.bound_m - b.radius_m);
+    const double reach_m = a.radius_m + b.radius_m + moved_m;
+    if ((b.position_m - a.position_m).squaredNorm() < reach_m * reach_m) roots_.unite(low, high);
+  });
+}
+
 void Islands::find(const parallel::UnsetVector<PairProgress>& progress, double apart_s) {
   const PairTable& table = input_.table;
   const std::vector<std::uint32_t>& visited = input_.motion.visited;
@@ -154,6 +170,7 @@ void Islands::find(const parallel::UnsetVector<PairProgress>& progress, double a
   table.for_each_near_bodies(executor_, [&](std::uint32_t a, std::uint32_t b) {
     if (bodies_.dynamic[a] != 0 && bodies_.dynamic[b] != 0) roots_.unite(a, b);
   });
+  if (apart_s == 0) unite_in_reach();
   if (apart_s > 0 && bodies_.dynamic_count() > 0) unite_near(apart_s);
   sum(visited.size(), [&](std::uint32_t k, auto&& island_of) {
     const std::uint32_t slot = visited[k];

@@ -32,8 +32,8 @@ class Islands {
   [[nodiscard]] static bool any_may_wait(const RefineInput& input);
   /// Is it worth a look? Where only islands near rest wait, not unless there are many slow bodies.
   [[nodiscard]] bool worth_a_look() const;
-  /// Finds the islands and adds up what they hold. With `apart_s`, islands that may come near each other if one of them
-  /// stands still for so long are one.
+  /// Finds the islands and adds up what they hold. Islands that may come near each other if one of them stands still
+  /// are one: in this step, or with `apart_s` if it does for so long.
   void find(const parallel::UnsetVector<PairProgress>& progress, double apart_s = 0);
   /// Adds up how well the pairs are seen of which something is left to find out.
   void weigh_pairs(const parallel::UnsetVector<PairProgress>& progress);
@@ -74,6 +74,7 @@ class Islands {
   template <class Use>
   void sum(std::size_t count, Use&& use);
   void unite_near(double apart_s);
+  void unite_in_reach();
   void note_driven();
   [[nodiscard]] double speed_mps(std::size_t slot) const;
   [[nodiscard]] bool waits_before(std::uint32_t x, std::uint32_t y) const;

@@ -33,6 +33,7 @@ struct RefineInput {
   std::uint32_t max_front_entries = 0;  ///< capacity of a worker's pool
   SteadyClock::time_point begun{};      ///< when the stage begins
   IslandsWait islands_wait = IslandsWait::Never;
+  std::span<const collision::CandidatePair> candidates = {};  ///< of the step, while its stages run
   // Where the step is done in slices, by its own clock.
   SteadyClock::time_point step_begun{};
   Nanoseconds slice{0};  ///< how long each is; else 0
