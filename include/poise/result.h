@@ -28,7 +28,8 @@ struct Error {
 ///
 /// Nothing in the library throws across its API. Only a caller's mistake throws: value() on an error and error() on a
 /// value throw std::bad_variant_access in every build (as std::expected::value() throws std::bad_expected_access; a
-/// program without exceptions terminates). Use value_or() where ok() was not checked.
+/// program without exceptions terminates). Use value_or() where ok() was not checked. And where the system gives no
+/// more memory, std::bad_alloc does; a World that threw it in a step can only be destroyed.
 template <class T>
 class [[nodiscard]] Result {
  public:

@@ -34,6 +34,11 @@ def table(rows: "Iterable[Mapping[str, Any]]") -> Any:
     return _table(names, [[row.get(name) for name in names] for row in rows])
 
 
+# What is a text whatever it looks like: a hash of sixteen digits is no number, nor is a body that is named nan.
+_TEXTS = frozenset(["trial", "scene", "state_hash", "commit", "policy", "state", "host", "engine", "processor",
+                    "name", "shape", "file", "material", "motion"])
+
+
 def _table(names: "list[str]", rows: "Iterable[Any]") -> Any:
     rows = list(rows)
     columns = {name: _column([row[i] for row in rows]) for i, name in enumerate(names)}
@@ -52,7 +57,7 @@ def read_run(path: PathLike) -> "dict[str, Any]":
     """
     try:
         document = json.loads(Path(path).read_text(encoding="utf-8"))
-    except (OSError, ValueError) as problem:
+    except (OSError, ValueError, RecursionError) as problem:
         raise Error("%s: %s" % (os.fspath(path), problem)) from problem
     schema = document.get("schema") if isinstance(document, dict) else None
     if not isinstance(schema, str) or not schema.startswith("poise.run/"):
@@ -79,14 +84,18 @@ def read_table(path: PathLike) -> Any:
     try:
         with open(path, newline="", encoding="utf-8") as stream:
             rows = list(csv.reader(stream))
-    except OSError as problem:
+    except (OSError, ValueError, csv.Error) as problem:
         raise Error("%s: %s" % (os.fspath(path), problem)) from problem
     if not rows:
         raise Error("%s: the file is empty, it must have a line of column names" % os.fspath(path))
+    for name in rows[0]:
+        if rows[0].count(name) > 1:
+            raise Error('%s: line 1 has two columns "%s"' % (os.fspath(path), name))
     for number, row in enumerate(rows[1:], 2):
         if len(row) != len(rows[0]):
             raise Error("%s: line %d has %d cells, must have %d" % (os.fspath(path), number, len(row), len(rows[0])))
-    return table(dict(zip(rows[0], map(_cell, row))) for row in rows[1:])
+    names = rows[0]
+    return _table(names, [[_cell(name, cell) for name, cell in zip(names, row)] for row in rows[1:]])
 
 
 def read_sweep(path: PathLike, sql: str = "SELECT * FROM trials") -> Any:
@@ -115,26 +124,35 @@ def read_sweep(path: PathLike, sql: str = "SELECT * FROM trials") -> Any:
     return _table(names, rows)
 
 
-def _cell(text: str) -> Any:
+def _cell(name: str, text: str) -> Any:
     if text == "":
         return None
-    for kind in (int, float):
-        # Python allows 1_000 in numbers; a table does not.
-        if "_" not in text:
-            try:
-                return kind(text)
-            except ValueError:
-                pass
-    return text
+    # Python allows 1_000 in numbers; a table does not.
+    if name in _TEXTS or "_" in text:
+        return text
+    try:
+        return int(text)
+    except ValueError:
+        pass
+    try:
+        return float(text)
+    except ValueError:
+        return text
 
 
 def _column(values: "list[Any]") -> Any:
     numbers = [value for value in values if isinstance(value, (int, float)) and not isinstance(value, bool)]
     missing = values.count(None)
     if values and len(numbers) + missing == len(values):
-        if missing or any(isinstance(value, float) for value in numbers):
+        whole = all(isinstance(value, int) for value in numbers)
+        # Seeds have up to 64 bits, and a float would lose the last of them.
+        exact = not whole or all(abs(value) <= 2**53 for value in numbers)
+        if exact and (missing or not whole):
             return numpy.array([numpy.nan if value is None else value for value in values], dtype=float)
-        return numpy.array(values)
+        for kind in (numpy.int64, numpy.uint64):
+            limits = numpy.iinfo(kind)
+            if whole and not missing and all(limits.min <= value <= limits.max for value in numbers):
+                return numpy.array(values, dtype=kind)
     if values and all(isinstance(value, bool) for value in values):
         return numpy.array(values)
     column = numpy.empty(len(values), dtype=object)

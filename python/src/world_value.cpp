@@ -70,6 +70,8 @@ FrameReport WorldValue::step(StepInput input, const BudgetValue& budget) {
     // Here, so that waiting for the lock before takes nothing from it.
     input.budget = budget.resolved();
     report = world.step(input);
+    // A thread that was held up in a function needs the lock, and whoever changes the World waits for that thread.
+    world.wait_for_workers();
   }
   host_->rethrow();
   refuse(report.status, input);

@@ -176,6 +176,9 @@ Result<MotionType> World::motion_type(BodyId body) const {
   return motion_of(state_->bodies, body.slot);
 }
 bool World::step_unfinished() const { return state_->frames_unfinished > 0; }
+
+void World::wait_for_workers() { state_->settle(); }
+
 int World::threads() const { return state_->executor->concurrency(); }
 
 Result<BodyState> World::state(BodyId body) const {

@@ -124,6 +124,9 @@ def test_runs_of_a_folder_are_rows_with_dotted_columns(tmp_path):
         poise.runs_table([tmp_path / "broken.json"])
     with pytest.raises(poise.Error, match="none.json"):
         poise.read_run(tmp_path / "none.json")
+    (tmp_path / "deep.json").write_text("[" * 100000 + "]" * 100000)
+    with pytest.raises(poise.Error, match="deep.json"):
+        poise.read_run(tmp_path / "deep.json")
 
 
 def test_tables_of_csv_files_have_numbers_words_and_gaps(tmp_path):
@@ -134,6 +137,18 @@ def test_tables_of_csv_files_have_numbers_words_and_gaps(tmp_path):
     assert table["rate"][0] == 0.5 and table["rate"][1] != table["rate"][1]
     file.write_text("a,b\n1,\n2,\n")
     assert all(value != value for value in as_dict(poise.read_table(file))["b"])
+    file.write_text("name,state_hash,seed\nnan,0000000000000012,18446744073709551615\n1e5,00001234e5678901,9007199254740993\n")
+    table = as_dict(poise.read_table(file))
+    assert table["name"] == ["nan", "1e5"] and table["state_hash"] == ["0000000000000012", "00001234e5678901"]
+    assert table["seed"] == [18446744073709551615, 9007199254740993], "to the last bit"
+    file.write_text("seed\n9007199254740993\n\"\"\n")
+    assert as_dict(poise.read_table(file))["seed"] == [9007199254740993, None]
+    file.write_text("a,a\n1,2\n")
+    with pytest.raises(poise.Error, match='line 1 has two columns "a"'):
+        poise.read_table(file)
+    file.write_bytes(b"\xff\xfe,a\n1,2\n")
+    with pytest.raises(poise.Error, match="sweep.csv"):
+        poise.read_table(file)
     file.write_text("a,b\n1\n")
     with pytest.raises(poise.Error, match="line 2 has 1 cells, must have 2"):
         poise.read_table(file)

@@ -113,6 +113,28 @@ def test_a_daemon_thread_that_steps_does_not_end_the_program_badly(tmp_path):
         assert (done.returncode, done.stdout) == (0, "end\n"), done.stderr
 
 
+def test_a_policy_that_is_slow_on_another_thread_stops_nobody_under_a_deadline(tmp_path):
+    """Its frame does not wait for a thread that is held up in the policy, and what follows waits for that thread."""
+    program = tmp_path / "program.py"
+    program.write_text(
+        "import sys, threading, time, poise\n"
+        "sys.path.insert(0, %r)\n"
+        "from conftest import heap\n"
+        "main = threading.get_ident()\n"
+        "def policy(frame, chain, cues):\n"
+        "    if threading.get_ident() != main:\n"
+        "        time.sleep(0.02)\n"
+        "    return 1.0\n"
+        "world = heap(policy=poise.Policy('custom', custom=policy), threads=2)\n"
+        "body = world.bodies()[-1]\n"
+        "for frame in range(60):\n"
+        "    world.step(poise.Budget.within(0.004))\n"
+        "    world.set_user_data(body, frame)\n"
+        "print('end')\n" % os.path.dirname(os.path.abspath(__file__)))
+    done = subprocess.run([sys.executable, "-B", program], capture_output=True, text=True, timeout=300)
+    assert (done.returncode, done.stdout) == (0, "end\n"), done.stderr
+
+
 def test_a_cue_on_several_threads_gives_the_bits_of_one():
     callers, lock = set(), threading.Lock()
 

@@ -79,7 +79,9 @@ struct FrameFacts {
 /// kMostScore as kMostScore. With a wall clock, scores are distinguished in quarters of an octave from 2^-32 to 2^32.
 ///
 /// The function must be pure and must not throw. Any thread may call it, several at once. It is called whenever a pair
-/// enters the queue: before refinement begins, and after each level that is not the deepest. For records see HostCue.
+/// enters the queue: before refinement begins, and after each level that is not the deepest. Under a deadline a thread
+/// that the system holds up may still call it after the step has returned: World::wait_for_workers. For records see
+/// HostCue.
 struct HostPolicy {
   using Function = double (*)(const FrameFacts& frame, const PairChain& chain, const PairCues& cues,
                               void* context) noexcept;
