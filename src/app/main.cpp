@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <exception>
 #include <iostream>
+#include <new>
 #include <string_view>
 
 #include "app/capture/export_command.h"
@@ -86,6 +87,9 @@ int main(int argc, char** argv) {
   std::signal(SIGXFSZ, SIG_IGN);
   try {
     return run(argc, argv);
+  } catch (const std::bad_alloc&) {
+    std::fprintf(stderr,
+                 "poise: memory: the system gives no more of it; poise check SCENE says how much a scene needs\n");
   } catch (const std::exception& failure) {
     std::fprintf(stderr, "poise: %s\n", failure.what());
   } catch (...) {

@@ -59,7 +59,7 @@ void SlicedTask::Loops::stop_point() {
 }
 
 SlicedTask::~SlicedTask() {
-  if (unfinished_) run_until(Clock::time_point::max());
+  if (unfinished_) take_turn(Clock::time_point::max());
   if (!thread_) return;
   {
     const std::lock_guard<std::mutex> hold(mutex_);
@@ -87,17 +87,22 @@ bool SlicedTask::run_until(Clock::time_point until, double late) {
   const bool whole = until == Clock::time_point::max();
   const Clock::duration lead = lead_.value_or(first_lead(late));
   const Clock::duration most = whole ? Clock::duration{0} : (until - Clock::now()) / kMostOfSlice;
-  std::unique_lock<std::mutex> hold(mutex_);
-  set_stop(until - std::min(lead, most));
-  running_ = true;
-  turn_.notify_all();
-  turn_.wait(hold, [&] { return !running_; });
+  take_turn(until - std::min(lead, most));
+  if (thrown_) std::rethrow_exception(std::exchange(thrown_, nullptr));
   if (unfinished_) {
     const std::chrono::nanoseconds less(static_cast<std::int64_t>(late * static_cast<double>(kMore.count())));
     lead_ = Clock::now() > until ? std::max(lead, std::min<Clock::duration>(lead + kMore, most))
                                  : std::max<Clock::duration>(lead - less, kLeastLead);
   }
   return !unfinished_;
+}
+
+void SlicedTask::take_turn(Clock::time_point stop) {
+  std::unique_lock<std::mutex> hold(mutex_);
+  set_stop(stop);
+  running_ = true;
+  turn_.notify_all();
+  turn_.wait(hold, [&] { return !running_; });
 }
 
 void SlicedTask::stand_still() {
@@ -122,7 +127,11 @@ void SlicedTask::live() {
     hold.unlock();
     slice_cpu_ = thread_cpu_time();
     new_slice_ = true;
-    function_();
+    try {
+      function_();
+    } catch (...) {
+      thrown_ = std::current_exception();
+    }
     slice_cpu_ = thread_cpu_time() - slice_cpu_;
     hold.lock();
     unfinished_ = false;

@@ -4,6 +4,7 @@
 #include <atomic>
 #include <chrono>
 #include <condition_variable>
+#include <exception>
 #include <functional>
 #include <mutex>
 #include <optional>
@@ -36,13 +37,12 @@ class SlicedTask {
 
   // The caller's side; one thread at a time.
 
-  /// Sets what the next slices run; there must be nothing unfinished. False if the system gives no thread for it. The
-  /// function must not throw.
+  /// Sets what the next slices run; there must be nothing unfinished. False if the system gives no thread for it.
   bool begin(std::function<void()> function);
   /// Begun, and has not returned.
   [[nodiscard]] bool unfinished() const { return unfinished_; }
   /// Runs a slice that ends about `until`, and of a share `late`, in (0, 0.5], of all slices later; returns whether the
-  /// function has returned.
+  /// function has returned. What it throws comes out here, and ends it; at destruction it is dropped.
   bool run_until(Clock::time_point until, double late = 0.01);
   /// How much earlier than `until` the next slice is told to stop; at most a quarter of it.
   [[nodiscard]] Clock::duration lead() const { return lead_.value_or(Clock::duration{0}); }
@@ -82,6 +82,8 @@ class SlicedTask {
 
   void live();
   void stand_still();
+  /// Lets the function run until it returns, throws or stands still.
+  void take_turn(Clock::time_point stop);
   [[nodiscard]] bool over() const { return Clock::now().time_since_epoch().count() >= stop_at_.load(); }
   void set_stop(Clock::time_point at) { stop_at_.store(at.time_since_epoch().count()); }
 
@@ -92,6 +94,7 @@ class SlicedTask {
   bool running_ = false;   // the function's turn
   bool stopping_ = false;  // the thread is to end
   bool unfinished_ = false;
+  std::exception_ptr thrown_;                // by the function; read when it has ended
   bool new_slice_ = false;                   // nothing was done in it yet; of the function's thread
   std::atomic<Clock::rep> stop_at_{};        // workers ask it between items
   std::optional<Clock::duration> lead_;      // how much earlier a slice is told to stop

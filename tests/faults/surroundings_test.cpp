@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include <gtest/gtest.h>
 #include <sched.h>
+#include <sys/resource.h>
 
 #include <csignal>
 #include <filesystem>
@@ -77,6 +78,22 @@ TEST(Surroundings, ASignalWhileTreesAreBuiltLeavesNothing) {
 }
 
 // As when the other processors are taken offline: the system moves all threads to one that is left.
+// However early, and whichever thread of the step asks for it.
+TEST(Surroundings, MemoryThatRunsOutEndsARunWithAMessage) {
+  const TemporaryFolder folder;
+  for (const rlim_t limit_mb : {150U, 400U}) {
+    const rlimit limit{limit_mb << 20U, limit_mb << 20U};
+    Program program(folder.path(),
+                    {"run", "jacks", "--bodies", "8000", "--frames", "20", "--deadline", "4", "--json",
+                     folder.file("run.json"), "--record", folder.file("run.record")},
+                    [&] { setrlimit(RLIMIT_AS, &limit); });
+    EXPECT_EQ(program.wait(), 3) << program.error();
+    EXPECT_NE(program.error().find("poise: memory: "), std::string::npos) << program.error();
+    EXPECT_FALSE(fs::exists(folder.file("run.json")));
+    EXPECT_TRUE(read_left_files(folder.path()).problems.empty());
+  }
+}
+
 TEST(Surroundings, AProcessorThatIsTakenAwayChangesNoResult) {
   cpu_set_t all;
   ASSERT_EQ(::sched_getaffinity(0, sizeof all, &all), 0);

@@ -5,6 +5,7 @@
 
 #include <atomic>
 #include <memory>
+#include <new>
 #include <numeric>
 #include <thread>
 #include <utility>
@@ -47,6 +48,25 @@ TEST_P(SlicedTasks, DoesEachItemOnceInHoweverManySlices) {
   EXPECT_GE(slices, 3 * 100 / GetParam().second) << "an item a worker and slice";
   EXPECT_LE(slices, 3 * 101 + 1);
   for (const int times : done) EXPECT_EQ(times, 3);
+}
+
+TEST_P(SlicedTasks, WhatTheFunctionThrowsComesOutOfItsSlice) {
+  SlicedTask task(*workers);
+  const auto no_memory = [&] {
+    task.executor().stop_point();
+    task.executor().stop_point();
+    throw std::bad_alloc();
+  };
+  ASSERT_TRUE(task.begin(no_memory));
+  EXPECT_FALSE(task.run_until(kOver)) << "a slice goes beyond one point at least, not beyond two";
+  EXPECT_THROW(task.run_until(Clock::time_point::max()), std::bad_alloc);
+  EXPECT_FALSE(task.unfinished());
+  bool ran = false;
+  ASSERT_TRUE(task.begin([&] { ran = true; }));
+  EXPECT_TRUE(task.run_until(Clock::time_point::max()));
+  EXPECT_TRUE(ran);
+  // Nobody asks for it any more.
+  ASSERT_TRUE(task.begin(no_memory));
 }
 
 TEST_P(SlicedTasks, EndsInOneSliceWhereThereIsTime) {
