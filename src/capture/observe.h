@@ -41,9 +41,10 @@ class FrameObserver {
       : scene_(scene), run_(run), contacts_(contacts), pairs_(pairs) {}
   /// Fills the lists of a frame that are empty. Refused: a body that somebody else removed from the World.
   Status observe(SeenFrame& frame);
+  /// In place of that for a frame that is not captured: what later frames tell of bodies that sleep since is followed.
+  void find_levels();
 
  private:
-  void find_levels();
   void find_contacts(SeenFrame& frame) const;
   void find_pairs(SeenFrame& frame) const;
 

@@ -361,11 +361,12 @@ nlohmann::ordered_json explain_json(const ExplainedFrame& e) {
     left.push_back(std::move(row));
   }
   const RecordedFrame& f = e.frame;
+  const auto of_step = [&](std::size_t count) { return f.decisions.unfinished ? Json(nullptr) : Json(count); };
   return {{"frame", f.decisions.frame},
           {"policy", policy_name(e.explanation.policy.kind)},
           {"unfinished", f.decisions.unfinished},
-          {"active_pairs", e.explanation.pairs.size()},
-          {"pairs_apart", e.explanation.pairs_apart},
+          {"active_pairs", of_step(e.explanation.pairs.size())},
+          {"pairs_apart", of_step(e.explanation.pairs_apart)},
           {"budget_ms", ms(f.budget)},
           {"refine_available_ms", ms(f.refine_available)},
           {"reserve_ms", ms(f.reserve)},

@@ -101,12 +101,19 @@ void read_optional(const ObjectReader& reader, std::string_view key, std::option
   target = number;
 }
 
+// Whole numbers that JSON holds exactly everywhere.
+constexpr std::uint64_t kMostFrames = std::uint64_t{1} << 53U;
+
 void read_shape(const JsonValue& value, const std::string& path, Problems& problems, RecordedShape& shape) {
   const ObjectReader reader(value, path, problems, {"name", "files", "xxh64"});
   reader.require_text("name", shape.name);
   read_hex(reader, "xxh64", shape.hash);
   const JsonValue* files = reader.require("files");
   if (files == nullptr) return;
+  if (files->kind() != JsonValue::Kind::Array) {
+    problems.refuse(reader.path("files"), *files, "must be a list");
+    return;
+  }
   for (std::size_t i = 0; i < files->items().size(); ++i) {
     const ObjectReader file(files->items()[i], item_path(reader.path("files"), i), problems,
                             {"path", "bytes", "xxh64"});
@@ -225,7 +232,7 @@ void read_step_part(const ObjectReader& top, RecordHeader& header) {
     reader.require(key);
     reader.flag(key, *flag);
   }
-  reader.require_whole("frames", 0, UINT64_MAX, header.frames);
+  reader.require_whole("frames", 0, kMostFrames, header.frames);
   reader.require_text("clock", header.clock);
   reader.require("deadline_ms");
   reader.number("deadline_ms", kNotNegative, header.deadline_ms);

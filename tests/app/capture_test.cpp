@@ -169,6 +169,16 @@ TEST(Capture, IsNotMadeWithoutTheOption) {
   EXPECT_TRUE(json::parse(run.out, nullptr, false).at("capture").is_null());
 }
 
+TEST(Capture, SaysWhenItsStepsDoNotReachABody) {
+  const TemporaryFolder folder;
+  const std::string file = folder.file("a.capture");
+  const CommandResult run =
+      poise_command({"run", "two-body", "--frames", "2", "--quiet", "--capture", file, "--capture-step", "1e-20"});
+  EXPECT_EQ(run.exit_code, 4);
+  EXPECT_NE(run.error.find(file + ": body "), std::string::npos) << run.error;
+  EXPECT_NE(run.error.find("--capture-step takes longer ones"), std::string::npos) << run.error;
+}
+
 TEST(Capture, RefusesOptionsThatDoNotBelongTogether) {
   const TemporaryFolder folder;
   const auto refused = [](std::vector<std::string> arguments) {

@@ -181,12 +181,14 @@ TEST(Replay, ExplainsAFrameWhoseStepDidNotEndInIt) {
   const TemporaryFolder folder;
   const std::string file = folder.file("run.poise");
   // No step of as many bodies ends in a microsecond: the first frame begins it.
-  const CommandResult run =
-      poise_command({"run", "jacks", "--bodies", "1000", "--frames", "4", "--deadline", "0.001", "--record", file});
+  const CommandResult run = poise_command({"run", "jacks", "--bodies", "1000", "--frames", "4", "--deadline", "0.001",
+                                           "--policy", "fifo", "--record", file});
   ASSERT_EQ(run.exit_code, 0) << run.error;
   const json explain = replayed(file, {"--explain", "0"}).at("explain");
   ASSERT_TRUE(explain.at("unfinished"));
   EXPECT_GT(explain.at("lateness_ms"), 0);
+  EXPECT_EQ(explain.at("policy"), "fifo");
+  EXPECT_TRUE(explain.at("active_pairs").is_null());
   const CommandResult shown = poise_command({"replay", file, "--explain", "0"});
   const std::string late = " ms: " + explain.at("times").at("cause").get<std::string>() + ", ";
   for (const std::string& part : {std::string("its step did not end in it"), std::string("late by "), late,
@@ -330,6 +332,27 @@ TEST(Replay, DrawsAndCapturesTheFramesOfTheRunThatAreAskedFor) {
   for (const std::size_t row : {1U, 11U}) {
     for (std::size_t column = 0; column < 4; ++column) EXPECT_EQ(cells(part[row])[column], cells(whole[row])[column]);
   }
+}
+
+TEST(Replay, CapturesOfBodiesThatSleepWhatTheRunDid) {
+  const TemporaryFolder folder;
+  const std::string file = folder.file("run.poise"), scene = folder.file("sleep.json");
+  std::ofstream(scene) << R"({"name": "sleep", "dt_s": 0.01, "gravity_mps2": [0, 0, -9.81], "sleeping": true,
+    "materials": {"m": {"restitution": 0}}, "shapes": {"floor": {"plane": {"normal": [0, 0, 1]}},
+    "bar": {"spheres": {"centers_m": [[-0.3, 0, 0], [0.3, 0, 0]], "radii_m": [0.2, 0.2]}}},
+    "bodies": [{"shape": "floor", "material": "m", "static": true},
+               {"shape": "bar", "material": "m", "position_m": [0, 0, 0.2]}]})";
+  recorded_run(file, {scene, "--frames", "200", "--clock", "work", "--capture", folder.file("run.capture")});
+  replayed(file, {"--frames", "190..200", "--capture", folder.file("part.capture")});
+  const auto drawn = [&](const std::string& name) {
+    const CommandResult result =
+        poise_command({"export", folder.file(name + ".capture"), "--frame", "195", "--pvd", folder.file(name)});
+    EXPECT_EQ(result.exit_code, 0) << result.error;
+    return contents(folder.file(name + "/frame-000195.vtp"));
+  };
+  const std::string whole = drawn("run");
+  EXPECT_NE(whole.find("level"), std::string::npos);
+  EXPECT_EQ(drawn("part"), whole);
 }
 
 TEST(Replay, OfCountedWorkSaysThatThePageHasTheTimesOfTheReplay) {

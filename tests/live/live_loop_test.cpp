@@ -133,6 +133,23 @@ TEST(LiveLoop, PoursBodiesInAndTakesTheLastAway) {
   EXPECT_EQ(records.back().frame.bodies.back().number, 8U) << "the first stay";
 }
 
+TEST(LiveLoop, BodiesThatLeaveByThemselvesAreNotTakenAwayOnceMore) {
+  Started setup(
+      R"({"name": "s", "dt_s": 0.01, "materials": {"wood": {}}, "shapes": {"ball": {"sphere": {"radius_m": 0.1}}},
+    "generators": [{"stream": {"shape": "ball", "material": "wood", "per_second": 1e6, "total": 1200, "life_s": 0.05,
+                               "region_min_m": [-50, -50, 0], "region_max_m": [50, 50, 50]}}]})");
+  setup.go(4);
+  ASSERT_EQ(setup.records().back().status.bodies, 1200U);
+  // As many as leave at once, and then the others at the end of their time.
+  setup.ask(SetBodies{0});
+  setup.go(1);
+  ASSERT_EQ(setup.records().back().status.bodies, 200U);
+  setup.go(2);
+  const LiveStatus status = setup.records().back().status;
+  EXPECT_EQ(status.bodies, 0U);
+  EXPECT_EQ(status.bodies_asked, 0U);
+}
+
 TEST(LiveLoop, APausedRunDoesTheStepsThatAreAskedFor) {
   Started setup;
   setup.ask(SetPaused{true});

@@ -107,7 +107,10 @@ TEST(LiveMessage, ACameraIsRefusedWhereItSeesNothing) {
   EXPECT_EQ(with("[0, 0, 1]", "[0, -1, 0]"), "message: camera.up: must not be parallel to camera.forward");
   EXPECT_EQ(with("[0, 1, 0]", "[0, 0, 0]"), "message: camera.forward = [0, 0, 0], must have length 1");
   EXPECT_EQ(with("0.9", "0"), "message: camera.vertical_fov_rad = 0, must be > 0");
-  EXPECT_EQ(with("0.9", "3.15"), "message: camera.vertical_fov_rad = 3.15, must be <= 3.14159");
+  EXPECT_EQ(with("0.9", "3.15"), "message: camera.vertical_fov_rad = 3.15, must be <= 3.14");
+  // What a step would refuse.
+  EXPECT_EQ(with("0.9", "3.1415925"), "message: camera.vertical_fov_rad = 3.1415925, must be <= 3.14");
+  EXPECT_EQ(with("[0, 0, 1]", "[0, 0.9999994, 0.0011]"), "message: camera.up: must not be parallel to camera.forward");
   EXPECT_EQ(with("1.5", "0"), "message: camera.aspect = 0, must be >= 0.01");
   EXPECT_EQ(with("[1, 2, 3]", "[1, 2, 3e9]"), "message: camera.position_m[2] = 3e9, must be <= 1e+09");
 }

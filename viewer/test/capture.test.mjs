@@ -8,7 +8,7 @@ import { test } from "node:test";
 import { CaptureFile } from "../src/capture/capture_file.js";
 import { FrameCursor } from "../src/capture/frame_cursor.js";
 import { findContactStates, findSeenErrors, isLeft, pairFramesOf, pairText, readPairs, whyText } from "../src/capture/pairs.js";
-import { tableOfCapture } from "../src/capture/frame_table.js";
+import { runOfCapture, tableOfCapture } from "../src/capture/frame_table.js";
 import { parseFrames } from "../src/data/frames.js";
 import { withFolder } from "./page.mjs";
 import { coarseRun, noCommand, poise, smallRun } from "./sample.mjs";
@@ -110,6 +110,44 @@ test("speeds are the way from the frame before, wherever one comes from", { skip
     );
   }),
 );
+
+test("the document of a capture has the means of the run's own, without its warm-up", { skip: noCommand }, () =>
+  withFolder(async (folder) => {
+    const { run, captures } = await smallRun(folder, "--warmup", "40");
+    const file = new CaptureFile(captures[0]);
+    const made = runOfCapture(file, tableOfCapture(file));
+    assert.equal(made.frames, run.frames);
+    assert.ok(Math.abs(made.contacts_mean - run.contacts_mean) < 1e-6, `${made.contacts_mean}, ${run.contacts_mean}`);
+    assert.ok(Math.abs(made.levels.mean - run.levels.mean) < 1e-6, `${made.levels.mean}, ${run.levels.mean}`);
+  }),
+);
+
+test("frames in which a step goes on count for no mean, and there may be very many frames", () => {
+  const frameAt = (k) => ({
+    frame: k,
+    time_s: k / 60,
+    measured: k > 0,
+    warm_up: false,
+    times_ms: new Array(9).fill(1),
+    budget_ms: 2,
+    lateness_ms: 0,
+    cause: 0,
+    // Each second frame ends a step, with 30 contacts at level 2; in the others all bodies wait.
+    counts: [10, 0, 0, k % 2 === 0 ? 30 : 0, 0, 0, 0, 0, k % 2 === 0 ? 0 : 10, 0],
+    levels: [0, 0, k % 2 === 0 ? 30 : 0, 0, 0, 0, 0, 0],
+    kinetic_j: 0,
+    potential_j: 0,
+  });
+  const file = {
+    head: { deadline_ms: null },
+    frames: Array.from({ length: 200001 }, (_, k) => frameAt(k)),
+    bodies: { motion: [2] },
+  };
+  const made = runOfCapture(file, tableOfCapture(file));
+  assert.equal(made.dynamic_bodies_max, 10);
+  assert.equal(made.contacts_mean, 30);
+  assert.equal(made.levels.mean, 2);
+});
 
 test("the table of a capture has the figures of --frames-csv", { skip: noCommand }, () =>
   withFolder(async (folder) => {

@@ -73,8 +73,10 @@ Status check(const ExportOptions& options) {
                        {{"CAPTURE", options.capture}});
 }
 
-Status write_gltf(capture::CaptureReader& reader, const capture::FrameChoice& choice, const std::string& path) {
-  const Result<std::string> glb = capture::gltf_bytes(reader, choice);
+Status write_gltf(capture::CaptureReader& reader, const capture::FrameChoice& choice, const std::string& path,
+                  const parallel::Interrupt& interrupt) {
+  const Result<std::string> glb = capture::gltf_bytes(reader, choice, [&] { return !interrupt.asked(); });
+  if (interrupt.asked()) return stopped_error(kStoppedExport);
   return glb ? io::write_file(path, glb.value()) : Status(glb.error());
 }
 
@@ -170,7 +172,7 @@ int export_capture(const ExportOptions& options) {
   };
   capture::CaptureReader& frames = reader.value();
   write(!options.csv.empty(), [&] { return write_csv(frames, choice, options.csv, interrupt); });
-  write(!options.gltf.empty(), [&] { return write_gltf(frames, choice, options.gltf); });
+  write(!options.gltf.empty(), [&] { return write_gltf(frames, choice, options.gltf, interrupt); });
   write(!options.pvd.empty(), [&] { return write_pvd(frames, choice, options.pvd, interrupt); });
   write(options.picture.any(), [&] { return write_pictures(frames, choice, options.picture, interrupt); });
   if (written && left_out) written = stopped_error(kStoppedExport);

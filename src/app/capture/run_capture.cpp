@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "app/capture/run_capture.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
@@ -42,6 +44,14 @@ Result<RunCapture> RunCapture::open(const CaptureOptions& options) {
   return made;
 }
 
+void RunCapture::watch(const Scene& scene, SceneRun& run) {
+  if (writer_) observer_.emplace(scene, run, options_.contacts, options_.pairs);
+}
+
+void RunCapture::pass() {
+  if (observer_) observer_->find_levels();
+}
+
 Status RunCapture::begin(const Scene& scene, SceneRun& run, capture::CaptureHeader header, WhenFull when_full,
                          const std::optional<capture::FrameFacts>& first) {
   if (!writer_) return Done{};
@@ -52,7 +62,8 @@ Status RunCapture::begin(const Scene& scene, SceneRun& run, capture::CaptureHead
   run_ = &run;
   camera_ = header.camera;
   when_full_ = WhenFull::Wait;
-  observer_.emplace(scene, run, options_.contacts, options_.pairs);
+  reach_m_ = header.position_step_m * static_cast<double>(capture::kMostSteps);
+  if (!observer_) watch(scene, run);
   const Status begun = writer_->begin(header);
   const Status started = begun ? frame(first ? *first : capture::facts_of_start(run.view())) : begun;
   when_full_ = when_full;
@@ -62,6 +73,7 @@ Status RunCapture::begin(const Scene& scene, SceneRun& run, capture::CaptureHead
 Status RunCapture::frame(capture::FrameFacts facts) {
   if (!writer_) return Done{};
   Status failed = writer_->failure();
+  if (failed) failed = reached_;
   if (!failed) return failed;
   if (when_full_ == WhenFull::LeaveOut && !writer_->has_room()) {
     writer_->leave_out();
@@ -71,11 +83,30 @@ Status RunCapture::frame(capture::FrameFacts facts) {
   capture::SeenFrame frame = writer_->fresh();
   frame.facts = facts;
   const Status observed = observer_->observe(frame);
-  if (observed) writer_->add(std::move(frame));
-  return observed;
+  if (!observed) return observed;
+  reached_ = within_reach(frame);
+  if (reached_) writer_->add(std::move(frame));
+  return reached_;
 }
 
-Status RunCapture::finish(bool stopped) { return writer_ ? writer_->finish(stopped) : Status(Done{}); }
+Status RunCapture::within_reach(const capture::SeenFrame& frame) const {
+  for (const capture::SeenBody& body : frame.bodies) {
+    const double most_m = body.pose.position_m.cwiseAbs().maxCoeff();
+    if (most_m <= reach_m_) continue;
+    return Error{
+        ErrorKind::OutputFailed,
+        fmt::format("{}: body {} is {:.4g} m from the origin along an axis, and steps of {:.4g} m reach {:.4g} m; "
+                    "--capture-step takes longer ones",
+                    options_.file, body.number, most_m, reach_m_ / static_cast<double>(capture::kMostSteps), reach_m_)};
+  }
+  return Done{};
+}
+
+Status RunCapture::finish(bool stopped) {
+  if (!writer_) return Done{};
+  const Status written = writer_->finish(stopped);
+  return written ? reached_ : written;
+}
 
 std::optional<io::RunDocument::Capture> RunCapture::facts() const {
   if (!writer_) return std::nullopt;

@@ -35,6 +35,9 @@ class RunCapture {
   /// Makes the writer's thread. Without begin() no file is left behind that was not there. Refused: a file that cannot
   /// be written.
   static Result<RunCapture> open(const CaptureOptions& options);
+  /// Follows a run before begin(): before its first frame, and after each that is not captured.
+  void watch(const Scene& scene, SceneRun& run);
+  void pass();
   /// Before the first frame: `scene` and `run` are observed until finish(). The header is complete but for the steps
   /// and what the options say. Writes the frame at hand: the start, frame 0, unless `first` says of which step it is.
   Status begin(const Scene& scene, SceneRun& run, capture::CaptureHeader header, WhenFull when_full,
@@ -50,10 +53,15 @@ class RunCapture {
   [[nodiscard]] std::optional<io::RunDocument::Capture> facts() const;
 
  private:
+  /// Refused: a body farther away than steps can say.
+  [[nodiscard]] Status within_reach(const capture::SeenFrame& frame) const;
+
   CaptureOptions options_;
   std::optional<capture::CaptureWriter> writer_;
   std::optional<capture::FrameObserver> observer_;
   const SceneRun* run_ = nullptr;
+  double reach_m_ = 0;       ///< of the steps in which positions are written
+  Status reached_ = Done{};  ///< refused: a body was beyond it
   std::optional<capture::CapturedCamera> camera_;
   WhenFull when_full_ = WhenFull::Wait;
 };

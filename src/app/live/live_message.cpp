@@ -40,6 +40,8 @@ void read_direction(const ObjectReader& reader, std::string_view key, Vec3& targ
 
 View read_camera(const JsonValue& value, Problems& problems) {
   constexpr double kLeastAspect = 0.01, kMostAspect = 100;
+  // A little more than a step asks of a view, which refuses a picture of half a turn, and 1.4 mrad between directions.
+  constexpr double kMostFovRad = 3.14, kLeastSine = 2e-3;
   const ObjectReader reader(value, "camera", problems, {"position_m", "forward", "up", "vertical_fov_rad", "aspect"});
   View view;
   view.present = true;
@@ -47,10 +49,9 @@ View read_camera(const JsonValue& value, Problems& problems) {
   if (reader.require("position_m") != nullptr) reader.vec3("position_m", io::kAnyQuantity, view.position_m);
   read_direction(reader, "forward", view.forward);
   read_direction(reader, "up", view.up);
-  const double straight = std::nextafter(std::numbers::pi, 0.0);
-  reader.require_number("vertical_fov_rad", {0, straight, true}, view.vertical_fov_rad);
+  reader.require_number("vertical_fov_rad", {0, kMostFovRad, true}, view.vertical_fov_rad);
   reader.require_number("aspect", {kLeastAspect, kMostAspect, false}, view.aspect);
-  if (sound && view.forward.cross(view.up).norm() < kUnitError)
+  if (sound && view.forward.cross(view.up).norm() < kLeastSine)
     problems.refuse("camera.up", "must not be parallel to camera.forward");
   view.gaze = view.forward;
   return view;

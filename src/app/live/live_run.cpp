@@ -144,6 +144,8 @@ View LiveRun::view() const {
 
 Result<StepInput> LiveRun::before_frame() {
   Status done = run_.before_frame(frame_);
+  // Of those that were to leave, a stream may have taken some.
+  if (to_remove_ > 0) to_remove_ = std::min(to_remove_, dynamic_bodies());
   if (done) done = move_bodies();
   if (!done) return done.error();
   StepInput input;

@@ -83,7 +83,9 @@ Status ReplayFiles::begin(const io::RecordHeader& record, const Scene& scene, Sc
   run_ = &run;
   if (options_.picture.any())
     pictures_.emplace(capture::captured_shapes(scene, run), picture_settings(options_.picture));
-  return capture_.on() && frames_.from == 0 ? begin_capture({}) : Status(Done{});
+  if (capture_.on() && frames_.from == 0) return begin_capture({});
+  capture_.watch(scene, run);
+  return Done{};
 }
 
 Status ReplayFiles::begin_capture(const std::optional<capture::FrameFacts>& first) {
@@ -101,7 +103,10 @@ Status ReplayFiles::captured(const FrameReport& report, const io::RecordedFrame&
   facts.kinetic_j = report.kinetic_j;
   facts.potential_j = report.potential_j;
   facts.momentum_ns = capture::captured_momentum(report.momentum_ns);
-  if (facts.frame < frames_.from) return Done{};
+  if (facts.frame < frames_.from) {
+    capture_.pass();
+    return Done{};
+  }
   if (!options_.report.empty()) {
     simulation::RunFrame frame;
     frame.report = seen;

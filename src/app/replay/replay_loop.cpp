@@ -86,6 +86,8 @@ Result<ReplayResult> replay_loop(io::RecordReader& record, const Scene& scene, S
     if (status && sinks.picture) status = sinks.picture(result.frames + 1);
     if (!status) return status.error();
     if (explains) {
+      // Of a frame whose step goes on nothing else is explained.
+      if (report.unfinished) explanation.policy = record.header().world.policy;
       result.explained = io::ExplainedFrame{recorded, std::move(explanation), io::bodies_by_slot(scene, run),
                                             record.header().clock == "wall"};
     }

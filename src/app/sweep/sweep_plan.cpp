@@ -44,6 +44,13 @@ Result<RunOptions> run_options_of(std::vector<std::string> words) {
 /// Each value alone, so that a refusal names its place in the file.
 void check_value(const sweep::SweepSpec& spec, const std::string& path, const sweep::Setting& setting,
                  std::vector<std::string>& errors) {
+  const std::string file = sweep::file_of(setting, spec.base);
+  std::error_code failure;
+  if (!file.empty() && !fs::exists(file, failure)) {
+    errors.push_back(
+        fmt::format("{}: {} = \"{}\", {} cannot be read: no such file", spec.source, path, setting.text, file));
+    return;
+  }
   std::vector<std::string> words{"scene"};
   sweep::add_words(setting, spec.base, words);
   const Result<RunOptions> options = run_options_of(std::move(words));

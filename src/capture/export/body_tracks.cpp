@@ -43,7 +43,7 @@ CameraKey camera_of(const FrameFacts& facts) {
 
 }  // namespace
 
-Result<BodyTracks> body_tracks(CaptureReader& reader, const FrameChoice& choice) {
+Result<BodyTracks> body_tracks(CaptureReader& reader, const FrameChoice& choice, const std::function<bool()>& goes_on) {
   BodyTracks tracks;
   tracks.bodies.resize(reader.bodies().size());
   double first_s = 0;
@@ -59,7 +59,7 @@ Result<BodyTracks> body_tracks(CaptureReader& reader, const FrameChoice& choice)
       tracks.reach_m = std::max(tracks.reach_m, reader.pose(frame.poses[i]).position_m.norm() + radius_m);
     }
     if (frame.facts.has_view && tracks.camera.size() == index) tracks.camera.push_back(camera_of(frame.facts));
-    return true;
+    return !goes_on || goes_on();
   });
   if (!read) return read.error();
   if (tracks.camera.size() != tracks.time_s.size()) tracks.camera.clear();

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include "capture/export/frame_choice.h"
@@ -31,6 +32,8 @@ struct BodyTracks {
   double reach_m = 1;             ///< how far from the origin bodies that move come
 };
 
-Result<BodyTracks> body_tracks(CaptureReader& reader, const FrameChoice& choice);
+/// Frames are read until `goes_on` (empty: always) says no.
+Result<BodyTracks> body_tracks(CaptureReader& reader, const FrameChoice& choice,
+                               const std::function<bool()>& goes_on = {});
 
 }  // namespace poise::capture

@@ -263,9 +263,10 @@ class Document {
 
 }  // namespace
 
-Result<std::string> gltf_bytes(CaptureReader& reader, const FrameChoice& choice) {
-  const Result<BodyTracks> tracks = body_tracks(reader, choice);
+Result<std::string> gltf_bytes(CaptureReader& reader, const FrameChoice& choice, const std::function<bool()>& goes_on) {
+  const Result<BodyTracks> tracks = body_tracks(reader, choice, goes_on);
   if (!tracks) return tracks.error();
+  if (goes_on && !goes_on()) return std::string();
   std::string glb = Document(reader, tracks.value()).made();
   if (glb.size() > std::numeric_limits<std::uint32_t>::max())
     return bad_input(reader.name() + ": gives more than the 4 GiB that a .glb may have; choose fewer frames");

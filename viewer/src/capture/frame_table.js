@@ -13,6 +13,9 @@ export const kCount = {
   bodies_paused: 9,
 };
 
+/** Does the step of a frame go on in the next one? Then all its bodies wait, and contacts are those of the step before. */
+export const isUnfinished = (bodies, asleep, held) => held > 0 && held + asleep >= bodies;
+
 /**
  * The table of frames that a capture holds, with the columns of `--frames-csv` as far as it knows them. Row k is that of
  * the k-th frame after the start; `frame` counts as in `--frames-csv`.
@@ -86,16 +89,19 @@ export function runOfCapture(file, frames) {
   const measured = [...total.keys()].filter((k) => Number.isFinite(total[k]) && !frames.column("warm_up")[k]);
   const sorted = Float64Array.from(measured, (k) => total[k]).sort();
   const late = measured.filter((k) => frames.column("miss")[k] === 1);
+  const [bodies, asleep, held] = ["bodies", "asleep", "bodies_held"].map((name) => frames.column(name));
+  const ended = measured.filter((k) => !isUnfinished(bodies[k], asleep[k], held[k]));
   let levelSum = 0;
   let levelCount = 0;
   for (let level = 0; level < 7; ++level) {
-    for (const count of frames.column(`level_${level}`)) {
-      if (!(count > 0)) continue;
-      levelSum += level * count;
-      levelCount += count;
+    const counts = frames.column(`level_${level}`);
+    for (const k of ended) {
+      if (!(counts[k] > 0)) continue;
+      levelSum += level * counts[k];
+      levelCount += counts[k];
     }
   }
-  const contacts = measured.map((k) => frames.column("contact_pairs")[k]);
+  const contacts = ended.map((k) => frames.column("contact_pairs")[k]);
   const misses = {
     count: late.length,
     releases: measured.length,
@@ -113,7 +119,7 @@ export function runOfCapture(file, frames) {
     policy: head.policy,
     contact: head.contact,
     dynamic_bodies_max:
-      Math.max(0, ...file.frames.map((facts) => facts.counts[0])) ||
+      file.frames.reduce((most, facts) => Math.max(most, facts.counts[0]), 0) ||
       file.bodies.motion.filter((motion) => motion === 2).length,
     frame_ms:
       sorted.length > 0

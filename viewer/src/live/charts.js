@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 import uPlot from "uplot";
 
-import { kCount } from "../capture/frame_table.js";
+import { isUnfinished, kCount } from "../capture/frame_table.js";
 import { axis, createChart } from "../charts/chart.js";
 import { drawMark } from "../charts/marks.js";
 import { kCauses, kStages } from "../data/frames.js";
@@ -28,9 +28,8 @@ export class Recent {
     if (!facts.measured || this.frames[this.frames.length - 1]?.frame === facts.frame) return;
     const { frame, times_ms, cause, counts } = facts;
     // Until a step ends that takes several frames, contacts are those of the one before.
-    const held = counts[kCount.bodies_held];
-    const isUnfinished = held > 0 && held + counts[kCount.asleep] >= counts[kCount.bodies];
-    const levels = (isUnfinished && this.frames[this.frames.length - 1]?.levels) || facts.levels;
+    const waits = isUnfinished(counts[kCount.bodies], counts[kCount.asleep], counts[kCount.bodies_held]);
+    const levels = (waits && this.frames[this.frames.length - 1]?.levels) || facts.levels;
     this.frames.push({ frame, times_ms, levels, cause, deadline_ms });
     if (this.frames.length > kFrames) this.frames.shift();
   }
