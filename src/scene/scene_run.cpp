@@ -81,17 +81,20 @@ double SceneRun::Impl::leaves_s(const RunBody& body) const {
 
 Status SceneRun::Impl::remove_due(double now_s) {
   if (now_s < next_leave_s) return Done{};
-  next_leave_s = kNever;
+  double next_s = kNever;
   for (const RunBody& body : bodies) {
     const double when_s = leaves_s(body);
     if (when_s > now_s) {
-      next_leave_s = std::min(next_leave_s, when_s);
+      next_s = std::min(next_s, when_s);
       continue;
     }
+    // The caller may have removed it before its time.
+    if (!world.contains(body.id)) continue;
     const Status removed = world.remove_body(body.id);
     if (!removed) return removed;
   }
   std::erase_if(bodies, [this, now_s](const RunBody& body) { return leaves_s(body) <= now_s; });
+  next_leave_s = next_s;
   return Done{};
 }
 

@@ -74,6 +74,35 @@ TEST(SceneCheck, RefusesWhatARunRefuses) {
             "s.json: generators: " + rule);
 }
 
+TEST(SceneCheck, WarnsWhereSpheresOfAWideThinMeshAreCoarserThanWhatLiesOnIt) {
+  const TemporaryFolder folder;
+  std::ofstream(folder.file("box.obj"))
+      << "v 0 0 0\nv 8 0 0\nv 0 8 0\nv 8 8 0\nv 0 0 0.02\nv 8 0 0.02\nv 0 8 0.02\nv 8 8 0.02\n"
+         "f 1 3 2\nf 2 3 4\nf 5 6 7\nf 6 8 7\nf 1 2 5\nf 2 6 5\nf 3 7 4\nf 4 7 8\nf 1 5 3\nf 3 5 7\nf 2 4 6\nf 4 8 6\n";
+  const auto with = [&](const std::string& members, const std::string& ball_m) {
+    return R"({"name": "f", "dt_s": 0.01, )" + members + R"("materials": {"m": {}},
+      "shapes": {"plate": {"mesh": {"file": "box.obj", "depth": 1}},
+                 "ball": {"sphere": {"radius_m": )" +
+           ball_m + R"(}}},
+      "bodies": [{"shape": "plate", "material": "m", "static": true},
+                 {"shape": "ball", "material": "m", "position_m": [4, 4, 9]}]})";
+  };
+  io::SceneCheckOptions options;
+  options.tree_cache = TreeCacheSettings{.folder = folder.path() / "cache"};
+  const auto warnings = [&](const std::string& text) {
+    const Result<Scene> scene = parse_scene(text, "s.json", folder.path());
+    EXPECT_TRUE(scene) << (scene ? "" : scene.error().message);
+    SceneRunOptions run = serial();
+    run.tree_cache = options.tree_cache;
+    EXPECT_TRUE(SceneRun::create(scene.value(), run));
+    const io::SceneCheck check = io::check_scene(scene.value(), options);
+    return check.warnings.empty() ? std::string() : check.warnings.front();
+  };
+  EXPECT_EQ(warnings(with("", "0.1")).substr(0, 37), "s.json: shapes.plate: its spheres are");
+  EXPECT_EQ(warnings(with("", "5")).find("spheres"), std::string::npos);
+  EXPECT_EQ(warnings(with(R"("max_level": "polygons", )", "0.1")).find("spheres"), std::string::npos);
+}
+
 TEST(SceneCheck, FindsNothingWrongWithTheScenesThatShip) {
   for (const auto& entry : std::filesystem::directory_iterator(POISE_SOURCE_DIR "/scenes")) {
     if (entry.path().extension() != ".json") continue;

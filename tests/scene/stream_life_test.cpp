@@ -55,6 +55,20 @@ TEST(StreamLife, EndsBeforeTheFirstFrameAtOrAfterArrivalAndLife) {
   }
 }
 
+TEST(StreamLife, GoesOnWithoutABodyThatTheCallerRemoved) {
+  SceneRun run = run_of(scene_of(stream(R"("total": 3, "life_s": 0.078125)")));
+  StepInput input;
+  input.dt_s = 0.015625;
+  for (std::uint64_t frame = 0; frame < 15; ++frame) {
+    ASSERT_TRUE(run.before_frame(frame)) << frame;
+    if (frame == 2) {
+      ASSERT_TRUE(run.world().remove_body(run.bodies().back().id));
+    }
+    run.world().step(input);
+  }
+  EXPECT_EQ(numbers_of(run), Numbers{0});
+}
+
 TEST(StreamLife, BetweenFramesEndsBeforeTheNextOne) {
   SceneRun run = run_of(scene_of(stream(R"("total": 1, "life_s": 0.08)")));
   for (std::uint64_t frame = 0; frame < 8; ++frame) {

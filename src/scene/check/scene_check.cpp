@@ -57,6 +57,7 @@ class Checker {
   void upside();
   void view();
   void time_step();
+  void fit();
 
  private:
   void warn(const std::string& path, const std::string& what) {
@@ -362,6 +363,44 @@ void Checker::time_step() {
   }
 }
 
+// How far the surface of a tree's deepest level is from the mesh, on the average of its leaves.
+double mean_protrusion_m(const SphereTree& tree) {
+  double sum_m = 0, leaves = 0;
+  for (std::size_t i = 0; i < tree.node_count(); ++i) {
+    if (tree.child_count[i] != 0) continue;
+    sum_m += static_cast<double>(tree.protrusion_mean_m[i]);
+    ++leaves;
+  }
+  return leaves > 0 ? sum_m / leaves : 0;
+}
+
+// What is wide and thin has spheres far thicker than itself, and what is smaller than these does not lie on it.
+void Checker::fit() {
+  if (scene_.polygons) return;
+  std::vector<bool> used(scene_.shapes.size()), moves(scene_.shapes.size());
+  for (const PlacedBody& body : bodies_) {
+    if (body.shape >= used.size()) continue;
+    used[body.shape] = true;
+    if (!body.is_static) moves[body.shape] = true;
+  }
+  for (std::size_t i = 0; i < used.size(); ++i) {
+    const CheckedShape& shape = shapes_[i];
+    if (!used[i] || shape.to_build || shape.shape->kind != ShapeKind::Tree) continue;
+    const double mean_m = mean_protrusion_m(shape.shape->tree);
+    for (std::size_t k = 0; k < moves.size(); ++k) {
+      const double size_m = shapes_[k].size_m.minCoeff();
+      if (!moves[k] || k == i || mean_m <= 0.5 * size_m) continue;
+      warn(path_of_shape(i),
+           fmt::format(
+               "its spheres are {} off its surface on the average, more than half of the least extent of {}, {}, which "
+               "may sink into it or pass (\"depth\" makes them smaller, \"max_level\": \"polygons\" goes by the "
+               "surface)",
+               mm_or_m(mean_m), path_of_shape(k), mm_or_m(size_m)));
+      break;
+    }
+  }
+}
+
 }  // namespace
 
 SceneCheck check_scene(const Scene& scene, const SceneCheckOptions& options) {
@@ -387,6 +426,7 @@ SceneCheck check_scene(const Scene& scene, const SceneCheckOptions& options) {
   checker.upside();
   checker.view();
   checker.time_step();
+  checker.fit();
   return check;
 }
 
