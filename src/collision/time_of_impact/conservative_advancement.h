@@ -47,7 +47,7 @@ struct TimeOfImpact {
 struct ImpactTerms {
   double duration_s = 0;                    ///< >= 0
   double tolerance_m = 0;                   ///< > 0; a hit stands between half of it and all of it apart
-  std::uint32_t max_node_pairs = 1U << 15;  ///< limit of node and part pairs that are tested
+  std::uint32_t max_node_pairs = 1U << 16;  ///< limit of node and part pairs that are tested
   std::uint32_t max_rounds = 64;            ///< limit of advancement rounds of rotating bodies
 };
 
