@@ -77,8 +77,9 @@ void write_points(const ManifoldsInput& input, std::size_t i, PairPoints& made, 
 // May the bodies of a pair close so fast that it is an impact, at any of their points? What its margin was made of says
 // so.
 bool may_be_fast(const ManifoldsInput& input, std::size_t i) {
-  if (input.levels.progress[i].exact) return true;  // its margin is another
   const ActivePair& pair = input.table.pairs[i];
+  const SweptBounds& swept = input.motion.swept;
+  if (swept.fast(pair.a) || swept.fast(pair.b)) return true;  // their margin is another
   const double dt_s = input.terms.dt_s;
   double closing_m = pair.margin_m - pair.skin_m;
   if (input.scene.bodies.dynamic[pair.a] == 0 || input.scene.bodies.dynamic[pair.b] == 0)

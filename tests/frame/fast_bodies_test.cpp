@@ -354,6 +354,33 @@ TEST(FastBodies, WhatAForceMakesFastInItsVeryStepIsStopped) {
   }
 }
 
+// What lies on something lies in it by a hair, and its pair is an ordinary one then, whose margin says nothing of its
+// speed.
+TEST(FastBodies, WhatOverlapsAtTheStartReboundsAndNeverPasses) {
+  for (const double restitution : {0.0, 0.3, 1.0}) {
+    for (const bool mesh : {false, true}) {
+      Stage stage(one_thread_with_gravity(), restitution);
+      stage.plane(Vec3::UnitZ(), 0);
+      const ShapeId shape = stage.world.add_shape(bullet_shape(mesh));
+      const BodyId flat = stage.add(shape, Vec3(0, 0, kBulletM - 1e-5), Vec3(30, 0, -20));
+      StepInput input = swept_step(1.0 / 60);
+      input.polygons = mesh;
+      stage.world.step(input);
+      EXPECT_NEAR(stage.at(flat).velocity_mps.z(), 20 * restitution, 0.2) << restitution;
+      for (int frame = 0; frame < 30; ++frame) stage.world.step(input);
+      EXPECT_GT(stage.at(flat).position_m.z(), 0) << restitution;
+    }
+  }
+  WorldSettings settings;
+  settings.executor = ExecutorKind::Serial;
+  Stage stage(settings, 1.0);
+  const BodyId thrown = stage.add(stage.ball(0.1), Vec3(-0.2, 0, 0), Vec3(50, 0, 0));
+  const BodyId rests = stage.add(stage.ball(0.1), Vec3::Zero());
+  stage.world.step(swept_step(1.0 / 60));
+  EXPECT_NEAR(stage.at(thrown).velocity_mps.x(), 0, 1e-9);
+  EXPECT_NEAR(stage.at(rests).velocity_mps.x(), 50, 1e-9);
+}
+
 // Each model answers a pair that touches at the start by its one exact contact.
 TEST(FastBodies, AFastBallOffTheMiddleOfABoxLeavesStraightUpWithAnyModel) {
   const ShapePtr box =
