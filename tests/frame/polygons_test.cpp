@@ -170,6 +170,26 @@ TEST(PolygonLevel, ABoxThatFallsFlatComesToRestOnItsFace) {
   EXPECT_GT((state.orientation * Vec3::UnitZ()).z(), 0.999);
 }
 
+// Corners and edges of a thin plate come near the far side of the one that it lies on, which is not what they lie on.
+TEST(PolygonLevel, PlatesThinnerThanWhatIsSearchedLieOnEachOther) {
+  for (const double thick_m : {2e-4, 1e-3}) {
+    const ShapePtr plate = make_mesh_shape(test::box_mesh(Vec3(1, 1, thick_m)), {.depth = 2}).value();
+    for (const double turned_rad : {0.0, 0.5}) {
+      Stage stage(settings_of(ContactModel::Fitted, 1, 9.81), 0);
+      stage.plane(Vec3::UnitZ(), 0);
+      const ShapeId shape = stage.world.add_shape(plate);
+      const BodyId lower = stage.add(shape, Vec3(0, 0, 0.5 * thick_m));
+      const Quat turn(Eigen::AngleAxisd(turned_rad, Vec3::UnitZ()));
+      const BodyId upper = stage.add(shape, Vec3(0, 0, 1.5 * thick_m), Vec3::Zero(), Vec3::Zero(), turn);
+      for (int frame = 0; frame < 60; ++frame) {
+        stage.world.step(with_polygons());
+        const double apart_m = stage.at(upper).position_m.z() - stage.at(lower).position_m.z();
+        ASSERT_NEAR(apart_m, thick_m, 0.1 * thick_m) << thick_m << ", " << turned_rad << ", frame " << frame;
+      }
+    }
+  }
+}
+
 // Meshes of a robot arm lie on four places and more. Where the contact points of a step were other ones than those of
 // the step before, and what had carried the body was among the others, it rocked for ever.
 class MeshOnAPlane : public testing::TestWithParam<const char*> {};

@@ -186,6 +186,18 @@ TEST(TriangleBvh, TrianglesNearAreAtLeastThoseWithinTheRadius) {
   }
 }
 
+TEST(TriangleBvh, AWayEntersWhereItPassesATriangleFromItsFront) {
+  const TriangleBvh box(test::box_mesh({2, 2, 0.02}));
+  EXPECT_FALSE(box.enters_between({0.3, 0.2, 0.005}, {0.3, 0.2, 0.01})) << "from inside to the surface";
+  EXPECT_FALSE(box.enters_between({0.3, 0.2, 0.005}, {0.3, 0.2, 0.03})) << "out of it";
+  EXPECT_TRUE(box.enters_between({0.3, 0.2, -0.03}, {0.3, 0.2, 0.01})) << "through all of it";
+  EXPECT_TRUE(box.enters_between({0.3, 0.2, 0.03}, {0.3, 0.2, 0.005})) << "into it";
+  EXPECT_TRUE(box.enters_between({1, 1, -0.03}, {1, 1, 0.01})) << "at its corner, along two sides";
+  EXPECT_FALSE(box.enters_between({1, 0.2, -0.005}, {1, 0.2, 0.01})) << "along a side";
+  EXPECT_FALSE(box.enters_between({1.001, 0.2, -0.03}, {1.001, 0.2, 0.03})) << "past it";
+  EXPECT_FALSE(box.enters_between({0.3, 0.2, 0.01}, {0.3, 0.2, 0.01})) << "no way at all";
+}
+
 RC_GTEST_PROP(EnclosingBall, HoldsAllPointsAndNoSmallerBallDoes, (std::uint32_t seed)) {
   std::mt19937_64 random(seed);
   const auto count = static_cast<std::size_t>(1 + random() % 60);

@@ -57,6 +57,14 @@ bool leaves(const PlacedSurface& on, const Side& side, const Vec3& direction) {
   return !on.surface->solid || side.outward.dot(direction) > 0;
 }
 
+// Does the way from a point behind a surface to the surface come in through another side of the solid? Then the point
+// is not in it: the solid is thinner there.
+bool passes_through(const PlacedSurface& on, const Vec3& from, const Vec3& to) {
+  if (!on.surface->solid) return false;
+  const auto in_body = [&](const Vec3& point) -> Vec3 { return on.rotation.transpose() * (point - on.offset_m); };
+  return on.surface->bvh.enters_between(in_body(from), in_body(to));
+}
+
 // What the search for facing features writes to; swapped where b's features are looked at from b.
 class Finder {
  public:
@@ -164,6 +172,7 @@ class Finder {
       if (face.normal.dot(on_corner.offset_m - face.corner_m[0]) < 0) side = -1;
     }
     if (side * above_m > 0 || !(over || past_groove(on_face, face, point, height, side))) return;
+    if (passes_through(on_face, point, point - above_m * face.normal)) return;
     face_each_other(side * face.normal, -height, !over);
   }
 
@@ -213,6 +222,7 @@ class Finder {
     if (!touching) {
       if (beneath_m_ <= 0 || !(across2 > kRestingParallel * kRestingParallel * lengths * lengths)) return;
       if (!in_cone(side_a, normal, kRestingLean) || !in_cone(side_b, -normal, kRestingLean)) return;
+      if (gap < 0 && (passes_through(on_b_, point_a, point_b) || passes_through(on_a_, point_b, point_a))) return;
     }
     add(gap, normal, point_a, point_b, Kind::Edges).resting = !touching;
   }

@@ -13,6 +13,11 @@ namespace {
 constexpr std::size_t kMostWaiting = 256;
 /// Squared distances to boxes are computed in single precision; a bound is widened by more than their error.
 constexpr double kQueryWiden = 1 + 1e-5;
+// Of ways that pass a surface: the share at each end that does not count, the sine of the angle under which a way runs
+// along a surface, and by how much of its size a triangle is wider.
+constexpr double kEndOfWay = 1e-3;
+constexpr double kAlongSurface = 1e-3;
+constexpr double kPastSide = 1e-9;
 
 Vec3 closest_on_segment(const Vec3& p, const Vec3& a, const Vec3& b) {
   const Vec3 along = b - a;
@@ -151,8 +156,9 @@ void TriangleBvh::search(const Vec3& point, Closest& best) const {
   }
 }
 
-void TriangleBvh::triangles_near(const Vec3& point, double radius_m, std::vector<std::uint32_t>& out) const {
-  if (nodes_.empty()) return;
+template <class Visit>
+bool TriangleBvh::any_near(const Vec3& point, double radius_m, Visit&& visit) const {
+  if (nodes_.empty()) return false;
   std::array<std::uint32_t, kMostWaiting> waiting;
   std::size_t count = 0;
   const Eigen::Vector3f p = (point - origin_m_).cast<float>();
@@ -164,13 +170,41 @@ void TriangleBvh::triangles_near(const Vec3& point, double radius_m, std::vector
     for (std::size_t slot = 0; slot < 4; ++slot) {
       const std::uint32_t child = node.child[slot];
       if (child == BvhNode::kNone || !(least2[static_cast<Eigen::Index>(slot)] <= limit2)) continue;
-      if ((child & BvhNode::kTriangle) != 0) {
-        out.push_back(triangle_of_[child & ~BvhNode::kTriangle]);
-      } else {
+      if ((child & BvhNode::kTriangle) == 0) {
         waiting[count++] = child;
+      } else if (visit(child & ~BvhNode::kTriangle)) {
+        return true;
       }
     }
   }
+  return false;
+}
+
+void TriangleBvh::triangles_near(const Vec3& point, double radius_m, std::vector<std::uint32_t>& out) const {
+  any_near(point, radius_m, [&](std::uint32_t place) {
+    out.push_back(triangle_of_[place]);
+    return false;
+  });
+}
+
+bool TriangleBvh::enters_between(const Vec3& from, const Vec3& to) const {
+  const Vec3 way = to - from;
+  const double length = way.norm();
+  return any_near(from + 0.5 * way, 0.5 * length, [&](std::uint32_t place) {
+    const TriangleCorners& t = corners_m_[place];
+    const Vec3 normal = (t[1] - t[0]).cross(t[2] - t[0]);
+    const double size = normal.norm();
+    const double falls = normal.dot(way);
+    if (!(falls < -kAlongSurface * size * length)) return false;
+    const double share = normal.dot(t[0] - from) / falls;
+    if (share < kEndOfWay || share > 1 - kEndOfWay) return false;
+    const Vec3 at = from + share * way;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Vec3 side = t[(k + 1) % 3] - t[k];
+      if (normal.dot(side.cross(at - t[k])) < -kPastSide * size * size) return false;
+    }
+    return true;
+  });
 }
 
 Vec3 TriangleBvh::triangle_normal(std::uint32_t triangle) const {

@@ -67,6 +67,9 @@ class TriangleBvh {
   /// Appends the triangles (indices in the mesh) whose box comes within `radius_m` of a point: a superset of the
   /// triangles within that distance.
   void triangles_near(const Vec3& point, double radius_m, std::vector<std::uint32_t>& out) const;
+  /// Does the straight way between two points pass a triangle from its front to its back? Those at its ends, within a
+  /// thousandth of its length, do not count.
+  [[nodiscard]] bool enters_between(const Vec3& from, const Vec3& to) const;
 
   /// The hierarchy, for searches in other modules: nodes with the root first, their boxes relative to origin_m(), and a
   /// leaf's index for corners_at() and triangle_at().
@@ -79,6 +82,9 @@ class TriangleBvh {
 
  private:
   void search(const Vec3& point, Closest& best) const;
+  // Calls visit(place) for triangles_near(), until it returns true; whether it has.
+  template <class Visit>
+  bool any_near(const Vec3& point, double radius_m, Visit&& visit) const;
   [[nodiscard]] int crossings(const Vec3& point) const;
   [[nodiscard]] double solid_angles(const Vec3& point, float dipole_from) const;
 
