@@ -18,6 +18,9 @@ constexpr std::size_t kIslandGrain = 1024;
 constexpr double kStillForS = 0.5;
 // Of sqrt(g R). Chosen: what a settled pile jitters by is below, and what it drifts in kStillForS cannot be seen.
 constexpr double kStillSpeed = 0.01;
+// Of what gravity adds in kStillForS: whatever falls is faster for longer, however large it is. Chosen: what turns back
+// at its highest point is slower for two fifths of kStillForS.
+constexpr double kStillShareOfFall = 0.2;
 // Static bodies wake what is nearer to them than this share of the sleeper's radius.
 constexpr double kNear = 0.02;
 
@@ -49,6 +52,7 @@ bool moves(const dynamics::BodyStore& bodies, std::uint32_t slot) {
 bool count_still(const FallAsleepInput& input, const SleepAccess& access, parallel::Executor& executor) {
   const dynamics::BodyStore& bodies = access.bodies;
   const double gravity = input.gravity_mps2;
+  const double falls_mps = kStillShareOfFall * kStillForS * gravity;
   std::vector<double>& still_s = access.sleeping.still_s;
   parallel::Shared<int> any(0);
   const std::vector<std::uint32_t>& visited = input.motion.visited;
@@ -57,7 +61,7 @@ bool count_still(const FallAsleepInput& input, const SleepAccess& access, parall
       const std::uint32_t i = visited[k];
       if (bodies.dynamic[i] == 0) continue;
       const double radius = bodies.shape[i]->bounding_radius_m;
-      const double speed = kStillSpeed * std::sqrt(gravity * radius);
+      const double speed = std::min(kStillSpeed * std::sqrt(gravity * radius), falls_mps);
       const StepMotion& motion = input.motions.of_slot[i];
       const bool still = bodies.velocity(i).norm() <= speed && radius * bodies.spin(i).norm() <= speed &&
                          motion.moved_m.norm() <= speed * input.dt_s && motion.turned_m <= speed * input.dt_s;

@@ -362,5 +362,24 @@ TEST(Sleep, UnaskedNothingSleepsAndAskedNothingChangesUntilSomethingDoes) {
   for (int i = 0; i < 60; ++i) EXPECT_EQ(off.world.step(plain_step()).asleep, 0U);
 }
 
+// Under weak gravity it is slower than 0.01 sqrt(g R) for seconds.
+TEST(Sleeping, NothingFallsAsleepInTheAirHoweverWeakGravityIs) {
+  for (const auto& [gravity, radius_m] : {std::pair{1e-4, 0.3}, std::pair{1e-3, 3.0}, std::pair{0.016, 100.0}}) {
+    for (const double up : {0.0, 0.3 * gravity}) {
+      WorldSettings settings;
+      settings.executor = ExecutorKind::Serial;
+      settings.sleeping = true;
+      settings.gravity_mps2 = Vec3(0, 0, -gravity);
+      Stage stage(settings);
+      const BodyId ball = stage.add(stage.ball(radius_m), Vec3::Zero(), Vec3(0, 0, up));
+      for (int frame = 0; frame < 240; ++frame) {
+        stage.world.step(step_of(1.0 / 60));
+        ASSERT_FALSE(stage.world.asleep(ball).value()) << gravity << ", frame " << frame;
+      }
+      EXPECT_NEAR(stage.at(ball).position_m.z(), 4 * up - 8 * gravity, 1e-9) << gravity;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace poise
