@@ -94,12 +94,18 @@ struct TreeBuildOptions {
 /// range.
 Result<SphereTree> build_sphere_tree(const TriangleMesh& mesh, const TreeBuildOptions& options);
 
+/// Options of tree_of_spheres.
+struct UnionTreeOptions {
+  int threads = 0;            ///< 0 = as many as the machine has; the tree does not depend on it
+  std::stop_token stop = {};  ///< stops the build, which returns ErrorKind::Cancelled soon after
+};
+
 /// The tree of an object that *is* a union of spheres: the leaves are its true surface (protrusion 0). The levels above
 /// are grouped so that each node has at most eight children and its sphere contains all leaves below it, with the
 /// fewest levels that n spheres can have. One sphere is a single node. Centres and radii are rounded to the nearest
-/// float. Any thread. Refused: no sphere, more than kMaxUnionSpheres, a centre that is not within 1e9 m, a radius not
-/// in [1e-9, 1e9] m.
-Result<SphereTree> tree_of_spheres(std::span<const Sphere> spheres);
+/// float. Takes some milliseconds a sphere where there are thousands. Any thread. Refused: no sphere, more than
+/// kMaxUnionSpheres, a centre that is not within 1e9 m, a radius not in [1e-9, 1e9] m.
+Result<SphereTree> tree_of_spheres(std::span<const Sphere> spheres, const UnionTreeOptions& options = {});
 
 /// Quality of a tree at one level, measured by sampling against its mesh.
 struct TreeLevelFigures {

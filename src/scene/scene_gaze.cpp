@@ -9,6 +9,7 @@
 #include <string>
 #include <utility>
 
+#include "assets/files/text_cursor.h"
 #include "assets/files/text_file.h"
 #include "scene/scene_parse.h"
 
@@ -145,6 +146,7 @@ Result<SceneGaze> read_gaze_file(const std::filesystem::path& file, const std::a
 Result<std::vector<GazeKey>> parse_gaze(std::string_view text, const std::string& name,
                                         const std::array<double, 2>& resolution_px) {
   std::vector<GazeKey> path;
+  text = geometry::without_byte_order_mark(text);
   for (std::size_t number = 1; !text.empty(); ++number) {
     const std::size_t end = std::min(text.find('\n'), text.size());
     std::string_view line = text.substr(0, end);

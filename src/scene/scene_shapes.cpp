@@ -43,7 +43,9 @@ struct Loader {
   Result<ShapePtr> operator()(const PlaneSource& source) const {
     return make_plane_shape(source.normal, source.offset_m);
   }
-  Result<ShapePtr> operator()(const SpheresSource& source) const { return make_spheres_shape(source.spheres); }
+  Result<ShapePtr> operator()(const SpheresSource& source) const {
+    return make_spheres_shape(source.spheres, {threads, stop});
+  }
   [[nodiscard]] Result<TriangleMesh> turned_mesh_of(const MeshSource& source) const {
     Result<TriangleMesh> mesh = mesh_of(source.file, source.scale);
     if (mesh && source.turned) turn(mesh.value(), source.rotation);
@@ -147,6 +149,9 @@ Result<TriangleMesh> scene_mesh(const Scene& scene, const MeshSource& source) {
 }
 
 Result<ShapePtr> load_without_building(const Scene& scene, const SceneShape& shape, const LoadSettings& settings) {
+  // Without its tree nothing is known of a union.
+  if (const auto* spheres = std::get_if<SpheresSource>(&shape.source))
+    return make_spheres_shape(spheres->spheres, {settings.threads, settings.stop});
   TreeCacheUse unused;
   return std::visit(Loader{scene, settings.threads, settings.tree_cache, unused, {}, parallel::stopped_token()},
                     shape.source);

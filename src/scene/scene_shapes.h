@@ -29,7 +29,7 @@ struct LoadedShapes {
 Result<LoadedShapes> load_shapes(const Scene& scene, const LoadSettings& settings);
 
 /// One shape as load_shapes makes it, except that a mesh's tree that is not in a cache is not built:
-/// ErrorKind::Cancelled.
+/// ErrorKind::Cancelled. The tree of a union of spheres is built.
 Result<ShapePtr> load_without_building(const Scene& scene, const SceneShape& shape, const LoadSettings& settings);
 
 /// The mesh of a shape, scaled and rotated as in the scene.

@@ -4,8 +4,10 @@
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
+#include <cmath>
 #include <limits>
 #include <numbers>
+#include <stop_token>
 
 #include "meshes.h"
 
@@ -174,6 +176,27 @@ TEST(TreeOfSpheres, EveryInnerSphereHoldsTheLeavesBelowItAndTheLevelsAreFewest) 
   }
 }
 
+TEST(TreeOfSpheres, CanBeStoppedAndIsTheSameOnAnyThreads) {
+  std::mt19937_64 random(6);
+  const std::vector<Sphere> spheres = random_spheres(random, 600);
+  std::stop_source stop;
+  stop.request_stop();
+  EXPECT_EQ(tree_of_spheres(spheres, {.stop = stop.get_token()}).error().kind, ErrorKind::Cancelled);
+  EXPECT_EQ(make_spheres_shape(spheres, {.stop = stop.get_token()}).error().kind, ErrorKind::Cancelled);
+  const SphereTree one = tree_of_spheres(spheres, {.threads = 1}).value();
+  const SphereTree three = tree_of_spheres(spheres, {.threads = 3}).value();
+  EXPECT_EQ(one.protrusion_max_m, three.protrusion_max_m);
+  EXPECT_EQ(one.protrusion_mean_m, three.protrusion_mean_m);
+  EXPECT_EQ(tree_of_spheres(spheres, {.threads = -3}).error().message, "threads = -3, must be from 0 to 256");
+}
+
+// What is refused is what the caller gave, not what moving it about its centre of mass makes of it.
+TEST(SpheresShape, OfSpheresAtTheEndsOfTheRangeIsMade) {
+  const std::vector<Sphere> spheres = {{Vec3(1e9, 0, 0), 1e9}, {Vec3(-1e9, 0, 0), 1e-9}};
+  EXPECT_TRUE(tree_of_spheres(spheres).ok());
+  EXPECT_TRUE(make_spheres_shape(spheres).ok());
+}
+
 TEST(TreeOfSpheres, EqualSpheresAreGroupedToo) {
   const std::vector<Sphere> same(100, Sphere{Vec3(1, 2, 3), 0.5});
   const SphereTree tree = tree_of_spheres(same).value();
@@ -211,6 +234,31 @@ TEST(TreeShape, KeepsItsLeavesAndItsInnerSpheresHoldThem) {
     EXPECT_GE(shape->tree.radius_m[node], tree.radius_m[node]);
   }
   EXPECT_FALSE(make_tree_shape({}).ok());
+}
+
+// A tree is plain data that a caller may make or change.
+TEST(TreeShape, RefusesATreeThatIsNotLaidOutAsItShould) {
+  std::mt19937_64 random(5);
+  const SphereTree sound = tree_of_spheres(random_spheres(random, 70)).value();
+  const TriangleMesh mesh = test::box_mesh({1, 1, 1});
+  const auto refused = [&](const auto& change) {
+    SphereTree tree = sound;
+    change(tree);
+    const Result<ShapePtr> with_mesh = make_mesh_shape_with_tree(mesh, tree);
+    const Result<ShapePtr> alone = make_tree_shape(tree);
+    EXPECT_EQ(with_mesh.ok(), alone.ok());
+    return alone.ok() ? std::string() : alone.error().message;
+  };
+  EXPECT_EQ(refused([](SphereTree&) {}), "");
+  EXPECT_EQ(refused([](SphereTree& t) { t.level_begin = {5}; }), "tree: there is no node, at least one is needed");
+  EXPECT_NE(refused([](SphereTree& t) { t.level_begin.back() = 100000; }).find("x_m has 1"), std::string::npos);
+  EXPECT_NE(refused([](SphereTree& t) { t.level_begin[1] = 2; }).find("must be 0, 1"), std::string::npos);
+  EXPECT_NE(refused([](SphereTree& t) { t.fit.clear(); }).find("fit has 0 entries"), std::string::npos);
+  EXPECT_NE(refused([](SphereTree& t) { t.x_m.resize(1); }).find("x_m has 1 entries"), std::string::npos);
+  EXPECT_NE(refused([](SphereTree& t) { t.child_count[0] = 200; }).find("child_count[0] = 200"), std::string::npos);
+  EXPECT_NE(refused([](SphereTree& t) { t.first_child[0] = 1000; }).find("first_child[0] = 1000"), std::string::npos);
+  EXPECT_NE(refused([](SphereTree& t) { t.radius_m[1] = std::nanf(""); }).find("radius_m[1] = nan"), std::string::npos);
+  EXPECT_NE(refused([](SphereTree& t) { t.fit[2].core_m = std::nanf(""); }).find("fit[2]"), std::string::npos);
 }
 
 TEST(TreeShape, OfATreeAboutItsCentreOfMassIsThatTree) {

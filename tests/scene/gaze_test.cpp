@@ -65,7 +65,7 @@ TEST(Gaze, OfARunIsThatOfItsFrame) {
 
 TEST(Gaze, OfAFileIsReadWhenTheRunIsMade) {
   const TemporaryFolder folder;
-  std::ofstream(folder.file("gaze.csv")) << "time_s,x_px,y_px\r\n0,100,50\r\n\r\n1.5, 200 ,0\n";
+  std::ofstream(folder.file("gaze.csv")) << "\xef\xbb\xbftime_s,x_px,y_px\r\n0,100,50\r\n\r\n1.5, 200 ,0\n";
   const auto scene = [&](const std::string& file) {
     return parse_scene(with_gaze("\"file\": \"" + file + "\""), "s.json", folder.path()).value();
   };

@@ -87,19 +87,19 @@ Status add_tree(SphereTree tree, io::MeasuredTree measured, const std::stop_toke
 }
 
 /// By the ending of the file.
-Result<SphereTree> read_any(const std::filesystem::path& file) {
+Result<SphereTree> read_any(const std::filesystem::path& file, const std::stop_token& stop) {
   const std::optional<TreeFormat> format = tree_format_of(file);
   if (!format) return bad_input(fmt::format("{}: the ending must be .sph, .urdf, .yml, .yaml or .json", file.string()));
   if (*format == TreeFormat::Sph) return read_sph(file);
   const Result<std::vector<Sphere>> spheres = read_spheres(file);
   if (!spheres) return spheres.error();
-  Result<SphereTree> tree = tree_of_spheres(spheres.value());
+  Result<SphereTree> tree = tree_of_spheres(spheres.value(), {.stop = stop});
   return tree ? std::move(tree) : in_file(file.string(), tree.error());
 }
 
 Status add_file(const std::string& file, std::optional<std::uint64_t> level, const std::stop_token& stop,
                 TreeWork& work) {
-  Result<SphereTree> tree = read_tree(file, level);
+  Result<SphereTree> tree = read_tree(file, level, stop);
   if (!tree) return tree.error();
   io::MeasuredTree measured;
   measured.file = file;
@@ -149,8 +149,9 @@ Result<SphereTree> build_measured(const TriangleMesh& mesh, const TreeBuildOptio
   return tree;
 }
 
-Result<SphereTree> read_tree(const std::filesystem::path& file, std::optional<std::uint64_t> level) {
-  Result<SphereTree> tree = read_any(file);
+Result<SphereTree> read_tree(const std::filesystem::path& file, std::optional<std::uint64_t> level,
+                             const std::stop_token& stop) {
+  Result<SphereTree> tree = read_any(file, stop);
   if (!tree || level.value_or(0) <= tree.value().depth()) return tree;
   return bad_input(fmt::format("{}: has no level {}, its deepest is {}", file.string(), *level, tree.value().depth()));
 }

@@ -35,7 +35,8 @@ Result<TreeWork> do_mesh_work(TriangleMesh mesh, const std::string& name, const 
 Result<SphereTree> build_measured(const TriangleMesh& mesh, const TreeBuildOptions& options, io::TreeBuildCost& cost);
 
 /// Reads a tree from a .sph file, or a flat set of spheres from the other formats as a tree above it. Refused: a tree
-/// that does not reach down to `level`, if one is given.
-Result<SphereTree> read_tree(const std::filesystem::path& file, std::optional<std::uint64_t> level);
+/// that does not reach down to `level`, if one is given. `stop` ends the building of that tree.
+Result<SphereTree> read_tree(const std::filesystem::path& file, std::optional<std::uint64_t> level,
+                             const std::stop_token& stop = {});
 
 }  // namespace poise::app

@@ -3,12 +3,12 @@
 
 #include <xxhash.h>
 
-#include <cmath>
 #include <cstring>
 #include <type_traits>
 
 #include <fmt/format.h>
 
+#include "geometry/sphere_tree/tree_check.h"
 #include "geometry/sphere_tree/tree_layout.h"
 #include "geometry_hash.h"
 
@@ -63,42 +63,6 @@ TreeKey hash_of(const void* bytes, std::size_t size) {
   TreeKey key;
   std::memcpy(key.data(), canonical.digest, key.size());
   return key;
-}
-
-bool sound_numbers(const SphereTree& tree, std::size_t node) {
-  // A root may be as wide as a box with corners at the coordinate limit, and its centre as far out.
-  constexpr float kFarthest_m = 4e9F;
-  for (const float coordinate : {tree.x_m[node], tree.y_m[node], tree.z_m[node]}) {
-    if (!(std::abs(coordinate) <= kFarthest_m)) return false;
-  }
-  for (const float length_m : {tree.radius_m[node], tree.protrusion_max_m[node], tree.protrusion_mean_m[node]}) {
-    if (!(length_m >= 0 && length_m <= kFarthest_m)) return false;
-  }
-  const NodeFit& fit = tree.fit[node];
-  for (const float length_m : {fit.x_m, fit.y_m, fit.z_m, fit.radius_m, fit.core_m}) {
-    if (!(std::abs(length_m) <= 8 * kFarthest_m)) return false;
-  }
-  return std::isfinite(fit.variance_m2) && fit.variance_m2 >= 0;
-}
-
-/// Whether levels and children are arranged as SphereTree requires: the children of a level's nodes, in order, are the
-/// next level.
-bool sound_layout(const SphereTree& tree, std::size_t nodes) {
-  const std::size_t levels = tree.level_begin.size() - 1;
-  if (tree.level_begin[0] != 0 || tree.level_begin[1] != 1 || tree.level_begin[levels] != nodes) return false;
-  for (std::size_t level = 0; level < levels; ++level) {
-    const NodeIndex begin = tree.level_begin[level];
-    const NodeIndex end = tree.level_begin[level + 1];
-    if (begin >= end || end > nodes) return false;
-    std::size_t next_child = end;
-    for (NodeIndex node = begin; node < end; ++node) {
-      const std::uint8_t children = tree.child_count[node];
-      if (children > kTreeBranching || tree.first_child[node] != (children == 0 ? node : next_child)) return false;
-      next_child += children;
-    }
-    if (next_child != (level + 1 < levels ? tree.level_begin[level + 2] : nodes)) return false;
-  }
-  return true;
 }
 
 }  // namespace
@@ -162,11 +126,9 @@ std::optional<SphereTree> entry_tree(std::string_view bytes, const TreeKey& key)
     std::memcpy(static_cast<void*>(array.data()), from, count * sizeof(array[0]));
     from += count * sizeof(array[0]);
   });
-  if (!sound_layout(tree, head.nodes)) return std::nullopt;
-  for (std::size_t node = 0; node < head.nodes; ++node) {
-    if (!sound_numbers(tree, node)) return std::nullopt;
-  }
+  if (tree.node_count() != head.nodes) return std::nullopt;
   pad_tree(tree);
+  if (!why_not_tree(tree).empty()) return std::nullopt;
   return tree;
 }
 

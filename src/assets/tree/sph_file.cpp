@@ -11,6 +11,7 @@
 #include "assets/files/text_file.h"
 #include "assets/tree/tree_files.h"
 #include "geometry/primitives/rounding.h"
+#include "geometry/sphere_tree/tree_check.h"
 #include "geometry/sphere_tree/tree_layout.h"
 #include "poise/assets/sph_file.h"
 #include "poise/sphere_tree.h"
@@ -96,7 +97,7 @@ struct Rows {
 };
 
 Result<SphereTree> parse_sph(std::string_view text) {
-  geometry::TextCursor lines(text, false);
+  geometry::TextCursor lines(geometry::without_byte_order_mark(text), false);
   const auto refuse = [&](const std::string& rule) {
     return bad_input(fmt::format("line {}: {}", lines.number(), rule));
   };
@@ -190,7 +191,7 @@ Result<SphereTree> read_sph(const std::filesystem::path& file) {
 }
 
 Status write_sph(const SphereTree& tree, const std::filesystem::path& file) {
-  if (tree.node_count() == 0) return bad_input("tree: there is no node, at least one is needed");
+  if (std::string wrong = geometry::why_not_tree(tree); !wrong.empty()) return bad_input(std::move(wrong));
   try {
     return geometry::write_file(file, sph_text(tree));
   } catch (const std::exception& failure) {

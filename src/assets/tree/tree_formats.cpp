@@ -15,6 +15,7 @@
 #include "assets/files/text_words.h"
 #include "assets/tree/tree_files.h"
 #include "geometry/primitives/rounding.h"
+#include "geometry/sphere_tree/tree_check.h"
 #include "poise/assets/sph_file.h"
 
 namespace poise {
@@ -108,7 +109,9 @@ std::optional<TreeFormat> tree_format_of(const std::filesystem::path& file) {
 Status write_tree(const SphereTree& tree, Level level, TreeFormat format, const std::string& name,
                   const std::filesystem::path& file) {
   if (format == TreeFormat::Sph) return write_sph(tree, file);
-  if (tree.node_count() == 0) return bad_input("tree: there is no node, at least one is needed");
+  if (format > TreeFormat::FoamJson)
+    return bad_input(fmt::format("format = {}, must be one of TreeFormat", static_cast<int>(format)));
+  if (std::string wrong = geometry::why_not_tree(tree); !wrong.empty()) return bad_input(std::move(wrong));
   if (format != TreeFormat::FoamJson) {
     if (const std::string wrong = wrong_name(name); !wrong.empty()) {
       return bad_input(fmt::format("name '{}' {}", geometry::shown_text(name), wrong));

@@ -60,8 +60,18 @@ std::string why_unusable(const TriangleMesh& mesh) {
   }
   for (const Vec3& v : mesh.vertices_m) {
     if (!v.allFinite()) return "mesh: a vertex is not finite";
+    if (v.cwiseAbs().maxCoeff() > kLargestLength_m)
+      return fmt::format("mesh: a vertex is farther than {} m from 0", kLargestLength_m);
   }
+  const double diagonal_m = mesh.diagonal_m();
+  if (diagonal_m < kSmallestLength_m)
+    return fmt::format("mesh: {} m across, must be at least {} m", diagonal_m, kSmallestLength_m);
   return {};
+}
+
+std::string why_not_threads(int threads) {
+  if (threads >= 0 && threads <= 256) return {};
+  return fmt::format("threads = {}, must be from 0 to 256", threads);
 }
 
 std::string why_not_closed(const TriangleMesh& mesh) {

@@ -62,6 +62,7 @@ std::size_t border_cells(const std::vector<std::uint8_t>& state) {
 }  // namespace
 
 Result<SampledMass> winding_mass_properties(const TriangleMesh& mesh, int threads) {
+  if (std::string wrong = why_not_threads(threads); !wrong.empty()) return bad_input(std::move(wrong));
   if (std::string wrong = why_unusable(mesh); !wrong.empty()) return bad_input(std::move(wrong));
   const TriangleBvh bvh(mesh);
   const SampleGrid grid(bounds_of(mesh.vertices_m));

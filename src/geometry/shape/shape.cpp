@@ -12,7 +12,9 @@
 #include "geometry/mesh/mesh_volume.h"
 #include "geometry/primitives/rounding.h"
 #include "geometry/shape/shape_surface.h"
+#include "geometry/sphere_tree/tree_check.h"
 #include "geometry/sphere_tree/tree_layout.h"
+#include "geometry/sphere_tree/tree_of_spheres.h"
 
 namespace poise {
 namespace {
@@ -135,26 +137,35 @@ Result<ShapePtr> make_plane_shape(const Vec3& normal, double offset_m) {
   return ShapePtr(shape);
 }
 
-Result<ShapePtr> make_spheres_shape(std::span<const Sphere> spheres) {
-  // Checked before the centre of mass is computed. The tree is then built about that centre, so that its leaves are
-  // rounded once.
-  Result<SphereTree> checked = tree_of_spheres(spheres);
-  if (!checked) return checked.error();
+Result<ShapePtr> make_spheres_shape(std::span<const Sphere> spheres, const UnionTreeOptions& options) {
+  if (std::string wrong = geometry::why_not_threads(options.threads); !wrong.empty())
+    return bad_input(std::move(wrong));
+  if (std::string wrong = geometry::why_not_spheres(spheres); !wrong.empty()) return bad_input(std::move(wrong));
   MassProperties mass = mass_of_balls(spheres);
+  double reach_m = 0;
+  for (const Sphere& sphere : spheres) {
+    reach_m = std::max(reach_m, (sphere.center_m - spheres[0].center_m).norm() + sphere.radius_m);
+  }
   // A smaller offset of a symmetric list is rounding error, and would turn exact zeros into tiny numbers.
-  if (mass.center_of_mass_m.norm() <= 1e-15 * checked.value().sphere(0).radius_m) mass.center_of_mass_m.setZero();
-  if (mass.center_of_mass_m.isZero(0)) return ShapePtr(finish(std::move(checked).value(), mass));
+  if (mass.center_of_mass_m.norm() <= 1e-15 * reach_m) mass.center_of_mass_m.setZero();
+  // The tree is built about that centre, so that its leaves are rounded once.
   std::vector<Sphere> centered(spheres.begin(), spheres.end());
   for (Sphere& sphere : centered) sphere.center_m -= mass.center_of_mass_m;
-  Result<SphereTree> tree = tree_of_spheres(centered);
+  Result<SphereTree> tree = geometry::union_tree(centered, options);
   if (!tree) return tree.error();
   return ShapePtr(finish(std::move(tree).value(), mass));
 }
 
 Result<ShapePtr> make_tree_shape(const SphereTree& tree) {
-  if (tree.node_count() == 0) return bad_input("tree: there is no node, at least one is needed");
+  if (std::string wrong = geometry::why_not_tree(tree); !wrong.empty()) return bad_input(std::move(wrong));
   std::vector<Sphere> leaves;
-  for (const NodeIndex node : tree.nodes_at(tree.depth())) leaves.push_back(tree.sphere(node));
+  for (const NodeIndex node : tree.nodes_at(tree.depth())) {
+    leaves.push_back(tree.sphere(node));
+    if (leaves.back().radius_m < geometry::kSmallestLength_m) {
+      return bad_input(fmt::format("tree: radius_m[{}] = {} of a leaf, must be at least {} m", node,
+                                   leaves.back().radius_m, geometry::kSmallestLength_m));
+    }
+  }
   const MassProperties mass = mass_of_balls(leaves);
   SphereTree centered = tree;
   geometry::recenter_tree(centered, mass.center_of_mass_m, true);
@@ -174,7 +185,7 @@ Result<ShapePtr> make_mesh_shape(const TriangleMesh& mesh, const TreeBuildOption
 }
 
 Result<ShapePtr> make_mesh_shape_with_tree(const TriangleMesh& mesh, const SphereTree& tree, double shell_thickness_m) {
-  if (tree.node_count() == 0) return bad_input("tree: there is no node, at least one is needed");
+  if (std::string wrong = geometry::why_not_tree(tree); !wrong.empty()) return bad_input(std::move(wrong));
   const Result<NotedMass> mass = mass_of_mesh(mesh, shell_thickness_m, 0);
   if (!mass) return mass.error();
   return finish_mesh(mesh, tree, mass.value(), shell_thickness_m != 0 ? Solidity::Shell : Solidity::Solid);

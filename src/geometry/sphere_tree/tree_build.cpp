@@ -19,16 +19,12 @@ using namespace geometry;
 Result<SphereTree> build_sphere_tree(const TriangleMesh& mesh, const TreeBuildOptions& options) {
   if (options.depth > kMaxTreeDepth)
     return bad_input(fmt::format("depth = {}, must be from 0 to {}", options.depth, kMaxTreeDepth));
-  if (options.threads < 0 || options.threads > 256)
-    return bad_input(fmt::format("threads = {}, must be from 0 to 256", options.threads));
+  if (options.preset > TreePreset::Best)
+    return bad_input(fmt::format("preset = {}, must be one of TreePreset", static_cast<int>(options.preset)));
+  if (options.solidity > Solidity::Shell)
+    return bad_input(fmt::format("solidity = {}, must be one of Solidity", static_cast<int>(options.solidity)));
+  if (std::string wrong = why_not_threads(options.threads); !wrong.empty()) return bad_input(std::move(wrong));
   if (std::string wrong = why_unusable(mesh); !wrong.empty()) return bad_input(std::move(wrong));
-  const double diagonal_m = mesh.diagonal_m();
-  for (const Vec3& v : mesh.vertices_m) {
-    if (v.cwiseAbs().maxCoeff() > kLargestLength_m)
-      return bad_input(fmt::format("mesh: a vertex is farther than {} m from 0", kLargestLength_m));
-  }
-  if (diagonal_m < kSmallestLength_m)
-    return bad_input(fmt::format("mesh: {} m across, must be at least {} m", diagonal_m, kSmallestLength_m));
 
   const auto executor = parallel::make_executor(ExecutorKind::Tbb, options.threads);
   const TriangleBvh bvh(mesh, options.solidity);
@@ -44,7 +40,7 @@ Result<SphereTree> build_sphere_tree(const TriangleMesh& mesh, const TreeBuildOp
   const std::vector<LooseNode> nodes = grow_tree(mesh, bvh, options, *executor, progress, keep_going);
   if (!keep_going()) return stopped;
   SphereTree tree = flatten_tree(nodes);
-  measure_protrusions(tree, bvh, *executor);
+  measure_protrusions(tree, bvh, *executor, options.stop);
   if (!keep_going()) return stopped;
   fit_nodes(tree, mesh, bvh, *executor);
   if (!keep_going()) return stopped;

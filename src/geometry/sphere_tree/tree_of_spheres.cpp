@@ -7,11 +7,13 @@
 
 #include <fmt/format.h>
 
+#include "geometry/mesh/mesh_volume.h"
 #include "geometry/primitives/enclosing_ball.h"
 #include "geometry/primitives/rounding.h"
 #include "geometry/sphere_tree/nearest_leaf.h"
 #include "geometry/sphere_tree/node_fit.h"
 #include "geometry/sphere_tree/tree_layout.h"
+#include "geometry/sphere_tree/tree_of_spheres.h"
 #include "geometry/sphere_tree/tree_protrusion.h"
 #include "poise/sphere_tree.h"
 
@@ -23,6 +25,8 @@ using Group = std::vector<std::uint32_t>;
 
 /// Accepted error of protrusions, as a share of the root's radius. Chosen.
 constexpr double kProtrusionWithin = 4e-4;
+/// Fewer take less time than to have threads ready.
+constexpr std::size_t kFewSpheres = 256;
 
 std::size_t capacity_below(Level levels) {
   std::size_t capacity = 1;
@@ -163,7 +167,29 @@ geometry::ObjectQueries leaves_of(const SphereTree& tree) {
   return object;
 }
 
-std::string check_spheres(std::span<const Sphere> spheres) {
+Result<SphereTree> build_union(std::span<const Sphere> spheres, const UnionTreeOptions& options) {
+  Level levels = 0;
+  while (capacity_below(levels) < spheres.size()) ++levels;
+  Group all(spheres.size());
+  std::iota(all.begin(), all.end(), 0U);
+  std::vector<LooseNode> nodes;
+  add_node(spheres, all, levels, nodes);
+  SphereTree tree = geometry::flatten_tree(nodes);
+
+  const bool alone = spheres.size() < kFewSpheres;
+  const auto executor =
+      parallel::make_executor(alone ? ExecutorKind::Serial : ExecutorKind::Tbb, alone ? 1 : options.threads);
+  const double tolerance_m = kProtrusionWithin * tree.sphere(0).radius_m;
+  geometry::measure_protrusions(
+      tree, leaves_of(tree), {.tolerance_m = tolerance_m, .leaves_are_surface = true, .stop = options.stop}, *executor);
+  if (options.stop.stop_requested()) return Error{ErrorKind::Cancelled, "the building of the tree was stopped"};
+  geometry::fit_nodes_to_leaves(tree);
+  return tree;
+}
+
+}  // namespace
+
+std::string geometry::why_not_spheres(std::span<const Sphere> spheres) {
   if (spheres.empty()) return "spheres: there is none, at least one is needed";
   if (spheres.size() > kMaxUnionSpheres) {
     return fmt::format("spheres: {} of them, at most {} are possible", spheres.size(), kMaxUnionSpheres);
@@ -183,24 +209,15 @@ std::string check_spheres(std::span<const Sphere> spheres) {
   return {};
 }
 
-}  // namespace
+Result<SphereTree> tree_of_spheres(std::span<const Sphere> spheres, const UnionTreeOptions& options) {
+  if (std::string wrong = geometry::why_not_threads(options.threads); !wrong.empty())
+    return bad_input(std::move(wrong));
+  if (std::string wrong = geometry::why_not_spheres(spheres); !wrong.empty()) return bad_input(std::move(wrong));
+  return geometry::union_tree(spheres, options);
+}
 
-Result<SphereTree> tree_of_spheres(std::span<const Sphere> spheres) {
-  if (std::string wrong = check_spheres(spheres); !wrong.empty()) return bad_input(std::move(wrong));
-  Level levels = 0;
-  while (capacity_below(levels) < spheres.size()) ++levels;
-  Group all(spheres.size());
-  std::iota(all.begin(), all.end(), 0U);
-  std::vector<LooseNode> nodes;
-  add_node(spheres, all, levels, nodes);
-  SphereTree tree = geometry::flatten_tree(nodes);
-
-  const auto serial = parallel::make_executor(ExecutorKind::Serial, 1);
-  const double tolerance_m = kProtrusionWithin * tree.sphere(0).radius_m;
-  geometry::measure_protrusions(tree, leaves_of(tree), {.tolerance_m = tolerance_m, .leaves_are_surface = true},
-                                *serial);
-  geometry::fit_nodes_to_leaves(tree);
-  return tree;
+Result<SphereTree> geometry::union_tree(std::span<const Sphere> spheres, const UnionTreeOptions& options) {
+  return build_union(spheres, options);
 }
 
 }  // namespace poise

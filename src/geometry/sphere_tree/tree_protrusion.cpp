@@ -56,7 +56,7 @@ void measure_protrusions(SphereTree& tree, const ObjectQueries& object, const Pr
     const auto overlapping = overlapping_nodes(tree, nodes);
     parallel::parallel_for(executor, nodes.size(), 1, [&](std::size_t begin, std::size_t end, int) {
       std::vector<Sphere> others;
-      for (std::size_t i = begin; i < end; ++i) {
+      for (std::size_t i = begin; i < end && !options.stop.stop_requested(); ++i) {
         if (options.leaves_are_surface && tree.child_count[nodes[i]] == 0) continue;
         others.clear();
         for (const NodeIndex other : overlapping[i]) others.push_back(tree.sphere(other));
@@ -75,7 +75,8 @@ void measure_protrusions(SphereTree& tree, const ObjectQueries& object, const Pr
   }
 }
 
-void measure_protrusions(SphereTree& tree, const TriangleBvh& bvh, parallel::Executor& executor) {
+void measure_protrusions(SphereTree& tree, const TriangleBvh& bvh, parallel::Executor& executor,
+                         const std::stop_token& stop) {
   ObjectQueries object;
   object.nearest = [&bvh](const Vec3& point, std::uint32_t guess) {
     const TriangleBvh::Closest closest = bvh.closest_from(point, guess);
@@ -85,7 +86,7 @@ void measure_protrusions(SphereTree& tree, const TriangleBvh& bvh, parallel::Exe
   object.to_piece = [&bvh](std::uint32_t triangle, const Vec3& point) {
     return (closest_on_triangle(point, bvh.corners(triangle)) - point).norm();
   };
-  measure_protrusions(tree, object, {.tolerance_m = 2e-4 * bvh.diagonal_m()}, executor);
+  measure_protrusions(tree, object, {.tolerance_m = 2e-4 * bvh.diagonal_m(), .stop = stop}, executor);
 }
 
 }  // namespace poise::geometry

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <stop_token>
 #include <vector>
 
 #include "geometry/bvh/triangle_bvh.h"
@@ -20,6 +21,7 @@ bool hidden_by(const SphereTree& tree, const std::vector<NodeIndex>& others, con
 struct ProtrusionOptions {
   double tolerance_m = 0;           ///< bounds this near to the sampled values are not refined further; >= 0
   bool leaves_are_surface = false;  ///< the leaves are the object: they get 0, and only nodes above them are measured
+  std::stop_token stop = {};        ///< once it is stopped, no more nodes are measured
 };
 
 /// Fills protrusion_max_m and protrusion_mean_m with bounds (sphere_patches.h), rounded up: no exposed point of a
@@ -32,6 +34,7 @@ void measure_protrusions(SphereTree& tree, const ObjectQueries& object, const Pr
 /// The same for a mesh. For a closed mesh these are bounds. For an open mesh or a shell they hold for the distance to
 /// the surface and for the result of bvh.inside, which has no sharp border. Accurate within 0.02 % of the diagonal or
 /// the shares in sphere_patches.h.
-void measure_protrusions(SphereTree& tree, const TriangleBvh& bvh, parallel::Executor& executor);
+void measure_protrusions(SphereTree& tree, const TriangleBvh& bvh, parallel::Executor& executor,
+                         const std::stop_token& stop = {});
 
 }  // namespace poise::geometry

@@ -218,8 +218,7 @@ std::string why_not_measurable(const SphereTree& tree, const TriangleMesh& mesh,
   if (tree.node_count() == 0) return "tree: there is no node, at least one is needed";
   if (options.samples < 1 || options.samples > 100000000)
     return fmt::format("samples = {}, must be from 1 to 100000000", options.samples);
-  if (options.threads < 0 || options.threads > 256)
-    return fmt::format("threads = {}, must be from 0 to 256", options.threads);
+  if (std::string wrong = why_not_threads(options.threads); !wrong.empty()) return wrong;
   if (mesh.triangles.empty()) return "mesh: there is no triangle, at least one is needed";
   for (std::size_t i = 0; i < mesh.vertices_m.size(); ++i) {
     const Vec3& v = mesh.vertices_m[i];
