@@ -57,8 +57,15 @@ Nanoseconds TailForecast::forecast(const TailWork& work) const { return linear_.
 
 void TailForecast::learn(const TailWork& work, Nanoseconds actual) { linear_.learn(values(work), actual); }
 
+namespace {
+
+// A value that is no number becomes the lower end.
+double clamped(double value, double low, double high) { return value > low ? std::min(value, high) : low; }
+
+}  // namespace
+
 TrackedQuantile::TrackedQuantile(double alpha, double eta, double start)
-    : alpha_(std::clamp(alpha, 1e-6, 0.5)), eta_(std::clamp(eta, 1e-6, 1.0)), q_(std::clamp(start, kLow, kHigh)) {}
+    : alpha_(clamped(alpha, 1e-6, 0.5)), eta_(clamped(eta, 1e-6, 1.0)), q_(clamped(start, kLow, kHigh)) {}
 
 double TrackedQuantile::eta_for(double spread) {
   if (!(spread > 0)) return kDefaultEta;

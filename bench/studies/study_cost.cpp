@@ -77,9 +77,9 @@ Result<FrameReport> next_frame(SceneRun& run, const StudyTimingOptions& o, std::
 
 int study_cost(const StudyTimingOptions& o) {
   const Status sound = check_timing_options(o);
-  if (!sound) return refuse("cost", kExitBadUsage, sound.error().message);
+  if (!sound) return refuse("study cost", kExitBadUsage, sound.error().message);
   const Status writable = can_write({o.json, o.markdown});
-  if (!writable) return refuse("cost", exit_code_of(writable.error()), writable.error().message);
+  if (!writable) return refuse("study cost", exit_code_of(writable.error()), writable.error().message);
   const parallel::Interrupt interrupt;
   const std::vector<std::uint64_t> populations =
       o.bodies.empty() ? std::vector<std::uint64_t>{2000, 8000, 20000} : o.bodies;
@@ -92,14 +92,14 @@ int study_cost(const StudyTimingOptions& o) {
   for (std::uint64_t round = 0; round < o.rounds.value_or(1); ++round) {
     for (std::size_t p = 0; p < populations.size(); ++p) {
       Result<SceneRun> run = timed_scene(o, populations[p], threads);
-      if (!run) return refuse("cost", exit_code_of(run.error()), run.error().message);
+      if (!run) return refuse("study cost", exit_code_of(run.error()), run.error().message);
       threads = run.value().world().threads();
       for (std::uint64_t frame = 0; frame < settle + frames; ++frame) {
-        if (interrupt.asked()) return refuse("cost", stopped_error());
+        if (interrupt.asked()) return refuse("study cost", stopped_error());
         progress.share(fmt::format("round {}, {} bodies", round + 1, populations[p]),
                        static_cast<double>(frame) / static_cast<double>(settle + frames));
         const Result<FrameReport> report = next_frame(run.value(), o, frame);
-        if (!report) return refuse("cost", exit_code_of(report.error()), report.error().message);
+        if (!report) return refuse("study cost", exit_code_of(report.error()), report.error().message);
         if (frame >= skip && frame < skip + frames) timed[p][0].add(report.value());
         if (frame >= settle) timed[p][1].add(report.value());
       }
@@ -119,9 +119,9 @@ int study_cost(const StudyTimingOptions& o) {
 int study_scaling(const StudyTimingOptions& o) {
   if (o.span) return study_span(o);
   const Status sound = check_timing_options(o);
-  if (!sound) return refuse("scaling", kExitBadUsage, sound.error().message);
+  if (!sound) return refuse("study scaling", kExitBadUsage, sound.error().message);
   const Status writable = can_write({o.json, o.markdown});
-  if (!writable) return refuse("scaling", exit_code_of(writable.error()), writable.error().message);
+  if (!writable) return refuse("study scaling", exit_code_of(writable.error()), writable.error().message);
   const parallel::Interrupt interrupt;
   std::vector<std::uint64_t> counts = o.thread_counts;
   for (std::uint64_t n = 1; o.thread_counts.empty() &&
@@ -135,17 +135,17 @@ int study_scaling(const StudyTimingOptions& o) {
   std::vector<SceneRun> runs;
   for (const std::uint64_t threads : counts) {
     Result<SceneRun> run = timed_scene(o, bodies, static_cast<int>(threads));
-    if (!run) return refuse("scaling", exit_code_of(run.error()), run.error().message);
+    if (!run) return refuse("study scaling", exit_code_of(run.error()), run.error().message);
     runs.push_back(std::move(run).value());
   }
   std::vector<std::vector<double>> rates(runs.size());
   std::vector<double> work;
   for (std::uint64_t frame = 0; frame < total; ++frame) {
     for (std::size_t r = 0; r < runs.size(); ++r) {
-      if (interrupt.asked()) return refuse("scaling", stopped_error());
+      if (interrupt.asked()) return refuse("study scaling", stopped_error());
       Status ready = runs[r].before_frame(frame);
       if (ready && frame >= settle) ready = forget_pairs(runs[r]);
-      if (!ready) return refuse("scaling", exit_code_of(ready.error()), ready.error().message);
+      if (!ready) return refuse("study scaling", exit_code_of(ready.error()), ready.error().message);
       StepInput input;
       input.dt_s = 1.0 / 60;
       input.view = runs[r].view();
@@ -153,7 +153,7 @@ int study_scaling(const StudyTimingOptions& o) {
       if (frame >= settle) input.budget = Budget::within(std::chrono::minutes(1));
       const FrameReport report = runs[r].world().step(input);
       if (report.status != StepStatus::Done)
-        return refuse("scaling", kExitBadInput, "the step was refused: its input is out of range");
+        return refuse("study scaling", kExitBadInput, "the step was refused: its input is out of range");
       const double refine_us = 1e3 * ms(report.times.refine);
       if (frame < settle || refine_us <= 0) continue;
       rates[r].push_back(static_cast<double>(report.work_refine) / refine_us);

@@ -82,7 +82,7 @@ void add_study_forecast_options(CLI::App& command, StudyForecastOptions& o) {
       "  poise study forecast --scene gas --bodies 500 --alpha 0.05 --json -\n\n"
       "Frames are recorded once, back to back under the deadline, and each method is played on the same ones, knowing "
       "only those before.\n"
-      "The first 200 are not counted.");
+      "The first 200 are not counted, nor is more than the first half.");
 }
 
 int study_forecast(const StudyForecastOptions& o) {

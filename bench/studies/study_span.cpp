@@ -71,9 +71,11 @@ void add(const std::vector<CountedWork>& stages, CountedState& state) {
 }  // namespace
 
 int study_span(const StudyTimingOptions& o) {
-  const auto refuse_span = [](const Error& error) { return refuse("scaling", exit_code_of(error), error.message); };
+  const auto refuse_span = [](const Error& error) {
+    return refuse("study scaling", exit_code_of(error), error.message);
+  };
   const Status sound = check_timing_options(o);
-  if (!sound) return refuse("scaling", kExitBadUsage, sound.error().message);
+  if (!sound) return refuse("study scaling", kExitBadUsage, sound.error().message);
   const Status writable = can_write({o.json, o.markdown});
   if (!writable) return refuse_span(writable.error());
   const parallel::Interrupt interrupt;
@@ -94,7 +96,7 @@ int study_span(const StudyTimingOptions& o) {
   std::array<CountedState, 2> states;
   Progress progress(!o.quiet);
   for (std::uint64_t frame = 0; frame < settle + frames; ++frame) {
-    if (interrupt.asked()) return refuse("scaling", stopped_error());
+    if (interrupt.asked()) return refuse("study scaling", stopped_error());
     progress.share("counted frames", static_cast<double>(frame) / static_cast<double>(settle + frames));
     const Status ready = run.value().before_frame(frame);
     if (!ready) return refuse_span(ready.error());
@@ -111,7 +113,7 @@ int study_span(const StudyTimingOptions& o) {
     const FrameReport report = run.value().world().step(input);
     const parallel::CountedAt end = counts.now();
     if (report.status != StepStatus::Done)
-      return refuse("scaling", kExitBadInput, "the step was refused: its input is out of range");
+      return refuse("study scaling", kExitBadInput, "the step was refused: its input is out of range");
     if (!counted) continue;
     std::swap(world.executor, other);
     add(count_stages(counts, report, start, end), states[falling ? 0 : 1]);

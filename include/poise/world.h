@@ -119,7 +119,7 @@ struct BodyDefinition {
   MaterialId material;
   MotionType motion = MotionType::Dynamic;
   Vec3 position_m = Vec3::Zero();              ///< of the origin of the shape's mesh or list of spheres, world frame
-  Quat orientation = Quat::Identity();         ///< body to world; normalised; not 0
+  Quat orientation = Quat::Identity();         ///< body to world; normalised; norm above 1e-9
   Vec3 velocity_mps = Vec3::Zero();            ///< of the centre of mass, world frame
   Vec3 angular_velocity_radps = Vec3::Zero();  ///< world frame
   double mass_kg = 0;                          ///< in [1e-18, 1e18]; 0: from volume and density

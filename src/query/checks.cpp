@@ -51,8 +51,8 @@ std::optional<Error> check(const OrientedBox& box) {
   }
   const Quat& q = box.orientation;
   if (std::isfinite(q.norm()) && q.norm() > 1e-9) return std::nullopt;
-  return bad_input(
-      fmt::format("orientation_wxyz = [{}, {}, {}, {}], must be finite and not zero", q.w(), q.x(), q.y(), q.z()));
+  return bad_input(fmt::format("orientation_wxyz = [{}, {}, {}, {}], its norm must be finite and above 1e-9", q.w(),
+                               q.x(), q.y(), q.z()));
 }
 
 }  // namespace poise::query

@@ -11,6 +11,7 @@
 #include "poise/scene/scene.h"
 #include "scene/generators.h"
 #include "scene/pouring.h"
+#include "scene/scene_data.h"
 #include "scene/scene_memory.h"
 #include "scene/scene_shapes.h"
 
@@ -191,6 +192,8 @@ SceneRun& SceneRun::operator=(SceneRun&&) noexcept = default;
 SceneRun::~SceneRun() = default;
 
 Result<std::unique_ptr<SceneRun::Impl>> SceneRun::Impl::begin(const Scene& scene, const SceneRunOptions& options) {
+  const Status sound = io::check_scene_data(scene);
+  if (!sound) return sound.error();
   if (options.bodies && scene.generators.empty()) {
     return bad_input(scene.source + ": has no generators, so the number of bodies cannot be chosen");
   }

@@ -12,6 +12,16 @@ std::optional<Error> check_range(const char* field, double value, double least, 
   return bad_input(fmt::format("{} = {}, must be in [{}, {}]", field, value, least, most));
 }
 
+namespace {
+
+// A value of an enumeration that a caller may have made from any number.
+template <class Choice>
+std::optional<Error> check_choice(const char* field, Choice value, Choice last) {
+  return check_range(field, static_cast<int>(value), 0, static_cast<int>(last));
+}
+
+}  // namespace
+
 std::optional<Error> check_vector(const char* field, const Vec3& value, double most) {
   if (value.allFinite() && value.cwiseAbs().maxCoeff() <= most) return std::nullopt;
   return bad_input(fmt::format("{} = [{}, {}, {}], each must be finite and within {} of zero", field, value.x(),
@@ -29,6 +39,9 @@ std::optional<Error> check_settings(const WorldSettings& settings) {
   if (auto bad = check_vector("gravity_mps2", settings.gravity_mps2, kMaxAccelerationMps2)) return bad;
   if (const auto problem = scheduler::first_problem(settings.policy))
     return bad_input("policy." + scheduler::text_of(*problem));
+  if (auto bad = check_choice("executor", settings.executor, ExecutorKind::Host)) return bad;
+  if (auto bad = check_choice("contact", settings.contact, ContactModel::Fitted)) return bad;
+  if (auto bad = check_choice("islands_wait", settings.islands_wait, IslandsWait::Any)) return bad;
   if (auto bad = check_range("threads", settings.threads, 0, 256)) return bad;
   if (auto bad = check_range("substeps", settings.substeps, 1, 16)) return bad;
   if (auto bad = check_range("alpha", settings.alpha, kLeastAlpha, kMostAlpha)) return bad;
@@ -42,8 +55,8 @@ std::optional<Error> check_state(const BodyState& state, bool is_static) {
   const Quat& q = state.orientation;
   const double norm = q.norm();
   if (!std::isfinite(norm) || !(norm > 1e-9)) {
-    return bad_input(
-        fmt::format("orientation_wxyz = [{}, {}, {}, {}], must be finite and not zero", q.w(), q.x(), q.y(), q.z()));
+    return bad_input(fmt::format("orientation_wxyz = [{}, {}, {}, {}], its norm must be finite and above 1e-9", q.w(),
+                                 q.x(), q.y(), q.z()));
   }
   if (auto bad = check_vector("velocity_mps", state.velocity_mps, kMaxSpeedMps)) return bad;
   if (auto bad = check_vector("angular_velocity_radps", state.angular_velocity_radps, kMaxSpinRadps)) return bad;
@@ -56,6 +69,7 @@ std::optional<Error> check_state(const BodyState& state, bool is_static) {
 }
 
 std::optional<Error> check_body(const BodyDefinition& definition, const Shape& shape) {
+  if (auto bad = check_choice("motion", definition.motion, MotionType::Dynamic)) return bad;
   if (shape.kind == ShapeKind::Plane && definition.motion != MotionType::Static)
     return bad_input("motion: a plane must be static");
   if (auto bad = check_state(

@@ -26,6 +26,15 @@ TEST(World, RefusesBadSettingsWithFieldAndRule) {
   settings.threads = 257;
   EXPECT_EQ(refusal_of(World::create(settings)), "threads = 257, must be in [0, 256]");
   settings = {};
+  settings.executor = static_cast<ExecutorKind>(77);
+  EXPECT_EQ(refusal_of(World::create(settings)), "executor = 77, must be in [0, 3]");
+  settings = {};
+  settings.contact = static_cast<ContactModel>(3);
+  EXPECT_EQ(refusal_of(World::create(settings)), "contact = 3, must be in [0, 2]");
+  settings = {};
+  settings.islands_wait = static_cast<IslandsWait>(9);
+  EXPECT_EQ(refusal_of(World::create(settings)), "islands_wait = 9, must be in [0, 2]");
+  settings = {};
   settings.policy.size = -1;
   EXPECT_NE(refusal_of(World::create(settings)).find("policy"), std::string::npos);
 }

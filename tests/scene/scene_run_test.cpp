@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <fstream>
+#include <limits>
 
 #include "poise/assets/mesh_file.h"
 #include "poise/assets/sph_file.h"
@@ -217,6 +218,43 @@ TEST(SceneRun, KeepsTreesWhereItIsToldAndSaysWhatBecameOfThem) {
   const Result<SceneRun> without = run_with_shape(folder, shape, options);
   ASSERT_TRUE(without);
   EXPECT_EQ(without.value().tree_cache_use().not_writable, 1U);
+}
+
+// A Scene is plain data, so a caller may have changed it since it was read.
+TEST(SceneRun, RefusesASceneWhoseListsDoNotFitTogether) {
+  const Scene sound = parse(scene_text(R"("generators": [{"grid": {"shape": "ball", "material": "hard",
+                                           "count": [2, 2, 1], "spacing_m": 2}}], )"))
+                          .value();
+  const auto refused = [&](const auto& change) {
+    Scene scene = sound;
+    change(scene, std::get<GridGenerator>(scene.generators[0]));
+    const Result<SceneRun> run = SceneRun::create(scene, serial());
+    return run ? std::string("not refused") : run.error().message;
+  };
+  EXPECT_EQ(refused([](Scene&, GridGenerator&) {}), "not refused");
+  const std::string materials = fmt::format("of {} materials", sound.materials.size());
+  const std::string shapes = fmt::format("of {} shapes", sound.shapes.size());
+  EXPECT_EQ(refused([](Scene& s, GridGenerator&) { s.bodies[0].shape = 99; }),
+            "s.json: bodies[0].shape = 99, must be the index of one " + shapes);
+  EXPECT_EQ(refused([](Scene& s, GridGenerator&) { s.bodies[0].material = 7; }),
+            "s.json: bodies[0].material = 7, must be the index of one " + materials);
+  EXPECT_EQ(refused([](Scene& s, GridGenerator&) { s.materials.clear(); }),
+            "s.json: bodies[0].material = 0, must be the index of one of 0 materials");
+  EXPECT_EQ(refused([](Scene&, GridGenerator& g) { g.kind.shapes = {99}; }),
+            "s.json: generators[0].grid.shapes[0] = 99, must be the index of one " + shapes);
+  EXPECT_EQ(refused([](Scene&, GridGenerator& g) { g.kind.shapes.clear(); }),
+            "s.json: generators[0].grid.shapes = [], must name a shape");
+  EXPECT_EQ(refused([](Scene&, GridGenerator& g) {
+              g.count = {1ULL << 40U, 1ULL << 40U, 1ULL << 40U};
+            }),
+            "s.json: generators[0].grid.count[0] = 1099511627776, must be from 0 to 10000000");
+  EXPECT_EQ(refused([](Scene&, GridGenerator& g) {
+              g.count = {10000, 10000, 10000};
+            }),
+            "s.json: generators[0].grid.count: bodies = 100000000, must be from 0 to 10000000");
+  EXPECT_EQ(refused([](Scene& s, GridGenerator&) { s.dt_s = std::numeric_limits<double>::quiet_NaN(); }),
+            "s.json: dt_s = nan, must be > 0 and <= 1");
+  EXPECT_EQ(refused([](Scene& s, GridGenerator&) { s = Scene{}; }), ": dt_s = 0, must be > 0 and <= 1");
 }
 
 TEST(SceneRun, RefusesANumberOfBodiesWithoutGenerators) {

@@ -177,6 +177,14 @@ TEST(Forecast, RatiosBeyondTheClipAreCounted) {
   EXPECT_EQ(margin.observed(), 2U);
 }
 
+TEST(Forecast, SettingsThatAreNoNumbersAreTheirLowerEnds) {
+  constexpr double kNoNumber = std::numeric_limits<double>::quiet_NaN();
+  const TrackedQuantile quantile(kNoNumber, kNoNumber, kNoNumber);
+  EXPECT_EQ(quantile.alpha(), 1e-6);
+  EXPECT_EQ(quantile.eta(), 1e-6);
+  EXPECT_EQ(quantile.log_quantile(), TrackedQuantile::kLow);
+}
+
 TEST(Forecast, HostWorkIsReservedWithAMarginOnceItIsKnown) {
   DurationForecast host;
   EXPECT_EQ(host.reserve().count(), 0);

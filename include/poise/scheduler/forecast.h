@@ -68,7 +68,8 @@ class TrackedQuantile {
   static constexpr double kHigh = 2.0794415416798357;  ///< log(8)
 
   /// `alpha`: share of frames that may take longer than their reserve, in [1e-6, 0.5]. `eta`: step of the tracker, in
-  /// [1e-6, 1]. `start`: first value of q, in [kLow, kHigh]. Values outside are clamped.
+  /// [1e-6, 1]. `start`: first value of q, in [kLow, kHigh]. Values outside are clamped, NaN to the
+  /// lower end.
   explicit TrackedQuantile(double alpha = kDefaultAlpha, double eta = kDefaultEta, double start = 0.4);
   static constexpr double kDefaultAlpha = 0.01;
   static constexpr double kDefaultEta = 0.05;
