@@ -194,6 +194,7 @@ TEST(TriangleBvh, AWayEntersWhereItPassesATriangleFromItsFront) {
   EXPECT_TRUE(box.enters_between({0.3, 0.2, 0.03}, {0.3, 0.2, 0.005})) << "into it";
   EXPECT_TRUE(box.enters_between({1, 1, -0.03}, {1, 1, 0.01})) << "at its corner, along two sides";
   EXPECT_FALSE(box.enters_between({1, 0.2, -0.005}, {1, 0.2, 0.01})) << "along a side";
+  EXPECT_FALSE(box.enters_between({0.3, 0.2, 0.03}, {0.4, 0.2, 0.005})) << "too flat";
   EXPECT_FALSE(box.enters_between({1.001, 0.2, -0.03}, {1.001, 0.2, 0.03})) << "past it";
   EXPECT_FALSE(box.enters_between({0.3, 0.2, 0.01}, {0.3, 0.2, 0.01})) << "no way at all";
 }

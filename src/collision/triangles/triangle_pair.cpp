@@ -57,8 +57,9 @@ bool leaves(const PlacedSurface& on, const Side& side, const Vec3& direction) {
   return !on.surface->solid || side.outward.dot(direction) > 0;
 }
 
-// Does the way from a point behind a surface to the surface come in through another side of the solid? Then the point
-// is not in it: the solid is thinner there.
+// Does the way from a point behind a surface to the surface come in through the far side of the solid? Then the point
+// is not in it: the solid is thinner there. Sides that lean to the way are not far ones: at the rim of a face a corner
+// may be a little outside of them.
 bool passes_through(const PlacedSurface& on, const Vec3& from, const Vec3& to) {
   if (!on.surface->solid) return false;
   const auto in_body = [&](const Vec3& point) -> Vec3 { return on.rotation.transpose() * (point - on.offset_m); };
@@ -78,6 +79,7 @@ class Finder {
         reach_m_(reach_m),
         beneath_m_(beneath_m),
         farthest_m_(std::max(reach_m, beneath_m)),
+        shallow_(reach_m > 0),
         near_a_(near_plane(a, sides.a_above_b, farthest_m_)),
         near_b_(near_plane(b, sides.b_above_a, farthest_m_)),
         out_(out) {}
@@ -172,7 +174,7 @@ class Finder {
       if (face.normal.dot(on_corner.offset_m - face.corner_m[0]) < 0) side = -1;
     }
     if (side * above_m > 0 || !(over || past_groove(on_face, face, point, height, side))) return;
-    if (passes_through(on_face, point, point - above_m * face.normal)) return;
+    if (shallow_ && passes_through(on_face, point, point - above_m * face.normal)) return;
     face_each_other(side * face.normal, -height, !over);
   }
 
@@ -222,7 +224,8 @@ class Finder {
     if (!touching) {
       if (beneath_m_ <= 0 || !(across2 > kRestingParallel * kRestingParallel * lengths * lengths)) return;
       if (!in_cone(side_a, normal, kRestingLean) || !in_cone(side_b, -normal, kRestingLean)) return;
-      if (gap < 0 && (passes_through(on_b_, point_a, point_b) || passes_through(on_a_, point_b, point_a))) return;
+      if (shallow_ && gap < 0 && (passes_through(on_b_, point_a, point_b) || passes_through(on_a_, point_b, point_a)))
+        return;
     }
     add(gap, normal, point_a, point_b, Kind::Edges).resting = !touching;
   }
@@ -270,6 +273,7 @@ class Finder {
   const PlacedTriangle& b_;
   const PlaneSides& sides_;
   double reach_m_, beneath_m_, farthest_m_;
+  bool shallow_;  // what overlaps deeply, and is looked for alone, may have passed through more than a wall
   Near near_a_, near_b_;
   FeatureList& out_;
   std::size_t count_ = 0;

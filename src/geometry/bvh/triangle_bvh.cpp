@@ -13,10 +13,10 @@ namespace {
 constexpr std::size_t kMostWaiting = 256;
 /// Squared distances to boxes are computed in single precision; a bound is widened by more than their error.
 constexpr double kQueryWiden = 1 + 1e-5;
-// Of ways that pass a surface: the share at each end that does not count, the sine of the angle under which a way runs
-// along a surface, and by how much of its size a triangle is wider.
+// Of ways that pass a surface: the share at each end that does not count, the cosine of the largest angle to the
+// normal, and by how much of its size a triangle is wider.
 constexpr double kEndOfWay = 1e-3;
-constexpr double kAlongSurface = 1e-3;
+constexpr double kAcross = 0.9;
 constexpr double kPastSide = 1e-9;
 
 Vec3 closest_on_segment(const Vec3& p, const Vec3& a, const Vec3& b) {
@@ -195,7 +195,7 @@ bool TriangleBvh::enters_between(const Vec3& from, const Vec3& to) const {
     const Vec3 normal = (t[1] - t[0]).cross(t[2] - t[0]);
     const double size = normal.norm();
     const double falls = normal.dot(way);
-    if (!(falls < -kAlongSurface * size * length)) return false;
+    if (!(falls < -kAcross * size * length)) return false;
     const double share = normal.dot(t[0] - from) / falls;
     if (share < kEndOfWay || share > 1 - kEndOfWay) return false;
     const Vec3 at = from + share * way;

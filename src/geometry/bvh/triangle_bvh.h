@@ -67,8 +67,8 @@ class TriangleBvh {
   /// Appends the triangles (indices in the mesh) whose box comes within `radius_m` of a point: a superset of the
   /// triangles within that distance.
   void triangles_near(const Vec3& point, double radius_m, std::vector<std::uint32_t>& out) const;
-  /// Does the straight way between two points pass a triangle from its front to its back? Those at its ends, within a
-  /// thousandth of its length, do not count.
+  /// Does the straight way between two points pass a triangle from its front to its back, at 26 degrees or less from
+  /// its normal? Those at its ends, within a thousandth of its length, do not count.
   [[nodiscard]] bool enters_between(const Vec3& from, const Vec3& to) const;
 
   /// The hierarchy, for searches in other modules: nodes with the root first, their boxes relative to origin_m(), and a
