@@ -59,7 +59,7 @@ Result<ShapePtr> make_plane_shape(const Vec3& normal, double offset_m);
 Result<ShapePtr> make_spheres_shape(std::span<const Sphere> spheres, const UnionTreeOptions& options = {});
 
 /// A shape from a tree whose leaves are the true surface. Each leaf contributes its whole mass and inertia. Refused: a
-/// tree that is not laid out as SphereTree says, numbers in it that are not finite or beyond 4e9 m, leaves with a
+/// tree that is not arranged as SphereTree says, numbers in it that are not finite or beyond 4e9 m, leaves with a
 /// radius below 1e-9 m.
 Result<ShapePtr> make_tree_shape(const SphereTree& tree);
 
@@ -72,7 +72,7 @@ Result<ShapePtr> make_mesh_shape(const TriangleMesh& mesh, const TreeBuildOption
                                  double shell_thickness_m = 0);
 
 /// The same with an existing tree in the frame of the mesh, e.g. from a file or a cache. It is not checked whether the
-/// tree covers the mesh. Refused: as above, and a tree that is not laid out as SphereTree says or has numbers out of
+/// tree covers the mesh. Refused: as above, and a tree that is not arranged as SphereTree says or has numbers out of
 /// range.
 Result<ShapePtr> make_mesh_shape_with_tree(const TriangleMesh& mesh, const SphereTree& tree,
                                            double shell_thickness_m = 0);

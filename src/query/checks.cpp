@@ -51,7 +51,7 @@ std::optional<Error> check(const OrientedBox& box) {
   }
   const Quat& q = box.orientation;
   if (std::isfinite(q.norm()) && q.norm() > 1e-9) return std::nullopt;
-  return bad_input(fmt::format("orientation_wxyz = [{}, {}, {}, {}], its norm must be finite and above 1e-9", q.w(),
+  return bad_input(fmt::format("orientation_wxyz = [{}, {}, {}, {}], must be finite, with a norm above 1e-9", q.w(),
                                q.x(), q.y(), q.z()));
 }
 

@@ -55,7 +55,7 @@ std::optional<Error> check_state(const BodyState& state, bool is_static) {
   const Quat& q = state.orientation;
   const double norm = q.norm();
   if (!std::isfinite(norm) || !(norm > 1e-9)) {
-    return bad_input(fmt::format("orientation_wxyz = [{}, {}, {}, {}], its norm must be finite and above 1e-9", q.w(),
+    return bad_input(fmt::format("orientation_wxyz = [{}, {}, {}, {}], must be finite, with a norm above 1e-9", q.w(),
                                  q.x(), q.y(), q.z()));
   }
   if (auto bad = check_vector("velocity_mps", state.velocity_mps, kMaxSpeedMps)) return bad;

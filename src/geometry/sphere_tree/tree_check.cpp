@@ -60,8 +60,8 @@ std::string why_not_children(const SphereTree& tree) {
     }
     const std::size_t below = level + 1 < levels ? tree.level_begin[level + 2] : end;
     if (next_child != below)
-      return fmt::format("child_count: level {} has {} children, the next level has {} nodes", level, next_child - end,
-                         below - end);
+      return fmt::format("child_count: level {} has {} children, must have {}, as the next level has nodes", level,
+                         next_child - end, below - end);
   }
   return {};
 }
