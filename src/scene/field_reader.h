@@ -70,6 +70,7 @@ inline constexpr Range kNotNegative{0, kMaxQuantity, false};
 inline constexpr Range kPositive{0, kMaxQuantity, true};
 inline constexpr Range kFactor{0, 1, false};
 inline constexpr Range kImportance{0, 1e6, false};  ///< as a World takes it
+inline constexpr Range kTimeStep{0, 1, true};       ///< of a scene, s
 
 /// Checks one value; on refusal the problem is added and the target is unchanged.
 void read_number(const JsonValue& value, const std::string& path, Range range, Problems& problems, double& target);

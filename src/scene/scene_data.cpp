@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "assets/json/json_document.h"
+#include "scene/field_reader.h"
 
 namespace poise::io {
 namespace {
@@ -16,7 +17,9 @@ class SceneData {
   explicit SceneData(const Scene& scene) : scene_(scene) {}
 
   void step() {
-    if (!(scene_.dt_s > 0 && scene_.dt_s <= 1)) refuse("dt_s", fmt::format("{}", scene_.dt_s), "must be > 0 and <= 1");
+    if (!(scene_.dt_s > kTimeStep.min && scene_.dt_s <= kTimeStep.max))
+      refuse("dt_s", fmt::format("{}", scene_.dt_s),
+             fmt::format("must be > {} and <= {}", kTimeStep.min, kTimeStep.max));
     count("frames", scene_.frames, 1, kMaxSceneFrames);
   }
   void bodies() {

@@ -15,7 +15,6 @@ namespace io {
 namespace {
 
 constexpr std::uintmax_t kMaxSceneBytes = 256U << 20U;
-constexpr Range kTimeStep{0, 1, true};
 constexpr Range kDeadline{0, 1e6, true};
 constexpr Range kHostWork{0, 1e6, false};
 constexpr Range kAlpha{1e-5, 0.5, false};

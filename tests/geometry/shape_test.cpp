@@ -237,7 +237,7 @@ TEST(TreeShape, KeepsItsLeavesAndItsInnerSpheresHoldThem) {
 }
 
 // A tree is plain data that a caller may make or change.
-TEST(TreeShape, RefusesATreeThatIsNotLaidOutAsItShould) {
+TEST(TreeShape, RefusesATreeThatIsNotArrangedAsItShould) {
   std::mt19937_64 random(5);
   const SphereTree sound = tree_of_spheres(random_spheres(random, 70)).value();
   const TriangleMesh mesh = test::box_mesh({1, 1, 1});

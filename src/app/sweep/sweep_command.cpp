@@ -217,8 +217,7 @@ void add_sweep_command(CLI::App& app, int& exit_code) {
       "  poise sweep frontier.json --report out   and the same again, to go on where it was ended\n"
       "  poise sweep frontier.json --engine slurm --exclusive --partition compute\n\n"
       "Exit codes: 0 all trials are done, 1 trials failed, were ended at their time limit or have no result (with "
-      "--no-run and --no-wait "
-      "they may be missing yet: 0), 2 bad "
+      "--no-run and --no-wait they may be missing yet: 0), 2 bad "
       "usage, 3 bad input, 4 output failed, 130 stopped by Ctrl-C, 143 by SIGTERM.");
   command->callback([options, &exit_code] { exit_code = run_sweep(*options); });
 }

@@ -51,7 +51,9 @@ bool hidden_by(const SphereTree& tree, const std::vector<NodeIndex>& others, con
 
 void measure_protrusions(SphereTree& tree, const ObjectQueries& object, const ProtrusionOptions& options,
                          parallel::Executor& executor) {
-  for (Level level = 0; level <= tree.depth(); ++level) {
+  // The deepest level is all leaves.
+  const int levels = options.leaves_are_surface ? tree.depth() : tree.depth() + 1;
+  for (Level level = 0; level < levels && !options.stop.stop_requested(); ++level) {
     const std::vector<NodeIndex> nodes = tree.nodes_at(level);
     const auto overlapping = overlapping_nodes(tree, nodes);
     parallel::parallel_for(executor, nodes.size(), 1, [&](std::size_t begin, std::size_t end, int) {
