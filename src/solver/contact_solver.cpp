@@ -313,7 +313,8 @@ void ContactSolver::Buffers::fill(const SplitSystem& system, const BlockTerms& t
 template <class T, class Apply>
 Iterated ContactSolver::Buffers::iterate(const Iterating<T>& how, bool last_substep, Apply&& apply, Convergence& ended,
                                          parallel::Executor& executor) {
-  const auto& [system, settings, limit, terms] = how;
+  const auto& [system, settings, limit, substep_terms] = how;
+  SubstepTerms<T> terms = substep_terms;
   Lanes<T>& all = lanes<T>();
   const BodyLanes<T> bodies = all.bodies();
   Iterated result;
@@ -330,15 +331,15 @@ Iterated ContactSolver::Buffers::iterate(const Iterating<T>& how, bool last_subs
     if (limit.mixed && round == 0) read_impulses(before);
     const bool measures = threads<T>().measures();
     const auto begun = measures ? executor.time() : std::chrono::steady_clock::time_point{};
-    iteration(threads<T>().alone(), executor, [&, &substep_terms = terms](std::size_t i) {
+    iteration(threads<T>().alone(), executor, [&](std::size_t i) {
       std::array<TotalLanes<T>, collision::kMaxManifoldPoints> here;
       const std::span<TotalLanes<T>> totals =
           keeps_totals ? all.totals_of(blocks[i]) : std::span(here).first(blocks[i].manifold_points);
       if (distant && i + 1 < blocks.size()) prefetch_motions(bodies, blocks[i + 1]);
-      const IterationChange<T> change = solve_block(
-          blocks[i], {all.pairs[i], all.manifold_points_of(blocks[i]), totals}, substep_terms, round, bodies);
-      if (substep_terms.watch) changes[i] = widened(change);
-      if (last_substep && !substep_terms.watch) apply(i, totals);
+      const IterationChange<T> change =
+          solve_block(blocks[i], {all.pairs[i], all.manifold_points_of(blocks[i]), totals}, terms, round, bodies);
+      if (terms.watch) changes[i] = widened(change);
+      if (last_substep && !terms.watch) apply(i, totals);
     });
     join_motions(system, all.motions, executor);
     if (measures) threads<T>().note(executor.time() - begun);
@@ -362,7 +363,11 @@ Iterated ContactSolver::Buffers::iterate(const Iterating<T>& how, bool last_subs
     result.stopped = stop.stops(round);
     // A plain iteration comes last.
     if (result.stopped) break;
-    if (limit.mixed) mix(system, executor);
+    if (limit.mixed) {
+      mix(system, executor);
+    } else if (limit.by_mean && result.collision) {
+      terms.relaxation = static_cast<T>(kCollisionRelaxation);
+    }
   }
   stop.end_substep();
   return result;
@@ -412,7 +417,7 @@ std::optional<Convergence> ContactSolver::Buffers::solve(const SplitSystem& syst
     system.body(i).pulled = !system.acceleration_of(i).none();
     begin_substep(system, i, h_s, true, all);
   });
-  fill(system, {still_mps(settings), h_s}, all, executor);
+  fill(system, {still_mps(settings), settings.dt_s, h_s}, all, executor);
   if (limit.mixed) energy.begin(system, blocks);
   const SubstepTimes times = {h_s, settings.dt_s - h_s, still_mps(settings)};
   const auto give = [&](std::size_t i, std::span<const TotalLanes<T>> totals) {

@@ -83,6 +83,38 @@ TEST(Kinematic, ABeltAcceleratesABoxByFrictionToItsSpeedAndNoFurther) {
   EXPECT_LT(stage.at(load).angular_velocity_radps.norm(), 0.05);
 }
 
+TEST(Kinematic, WhatATurntableCarriesStaysAtItsPlace) {
+  constexpr double kSpin = 1;
+  constexpr double kRadiusM = 2;
+  for (const double tilt : {0.0, 0.05}) {
+    for (const int substeps : {1, 2, 4}) {
+      WorldSettings settings = with_gravity();
+      settings.substeps = substeps;
+      Stage stage(settings, 0);
+      stage.material = stage.world.add_material({0, 0.8, 1000}).value();
+      const Quat tilted(Eigen::AngleAxisd(tilt, Vec3::UnitX()));
+      BodyDefinition table;
+      table.shape = box(stage, Vec3(8, 8, 0.5));
+      table.material = stage.material;
+      table.motion = MotionType::Kinematic;
+      table.position_m = tilted * Vec3(0, 0, -0.25);
+      table.orientation = tilted;
+      table.angular_velocity_radps = tilted * Vec3(0, 0, kSpin);
+      ASSERT_TRUE(stage.world.add_body(table).ok());
+      const Vec3 place = tilted * Vec3(kRadiusM, 0, 0.2);
+      const BodyId load = stage.add(box(stage, Vec3(0.8, 0.8, 0.4)), place, tilted * Vec3(0, kSpin * kRadiusM, 0),
+                                    tilted * Vec3(0, 0, kSpin), tilted);
+      StepInput input = step_of(kDt);
+      input.polygons = true;
+      for (int frame = 0; frame < 600; ++frame) stage.world.step(input);
+      const Quat turned(Eigen::AngleAxisd(kSpin * 600 * kDt, tilted * Vec3::UnitZ()));
+      const Vec3 where = turned.conjugate() * stage.at(load).position_m;
+      // Along the tangent of each step it would be 17 cm farther out.
+      EXPECT_LT((where - place).norm(), 0.003) << tilt << " rad, " << substeps << " substeps: " << where.transpose();
+    }
+  }
+}
+
 TEST(Kinematic, ATurningPaddleHitsABallAtTwiceItsOwnSpeedThere) {
   Stage stage(with_gravity(0), 1);
   constexpr double kSpin = 3;

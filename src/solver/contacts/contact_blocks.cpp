@@ -69,8 +69,7 @@ void fill_block(const SplitSystem& system, const BlockTerms& terms, ContactBlock
   StartLanes<T> start;
   gather_sources(system, terms.substep_s, block, sources);
   fill_lanes(sources, shared, start, manifold_points);
-  prepare_block(block, shared, start, static_cast<T>(terms.still_mps), manifold_points,
-                lanes.scaled_inverse_inertias.data());
+  prepare_block(block, shared, start, terms, manifold_points, lanes.scaled_inverse_inertias.data());
 }
 
 template <class T>

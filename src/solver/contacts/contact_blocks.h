@@ -48,12 +48,6 @@ struct SubstepTimes {
   double still_mps = 0;  ///< what moves against each other more slowly does not slide
 };
 
-/// What all blocks of a step share.
-struct BlockTerms {
-  double still_mps = 0;  ///< what closes more slowly does not rebound
-  double substep_s = 0;
-};
-
 /// Fills a block, whose `begin`, `count`, `manifold_points` and `first` are set, and its lanes from its pairs.
 template <class T>
 void fill_block(const SplitSystem& system, const BlockTerms& terms, ContactBlock& block, PairLanes<T>& shared,

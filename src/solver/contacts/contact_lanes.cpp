@@ -123,13 +123,34 @@ HWY_INLINE V dynamic(const Pairs<V>& pairs, const Triple<V>& ta_l, const Triple<
   return hn::Add(dot(ta_l, turned(pairs.a, ta_m)), dot(tb_l, turned(pairs.b, tb_m)));
 }
 
+// By how much the mean velocity that some pairs' other bodies need in the step, to stay where kinematic ones carry
+// them, differs from that of its start. False where nothing is carried around.
+template <class D, class T, class V>
+HWY_INLINE bool bend(D d, const Pairs<V>& pairs, const StartLanes<T>& start, std::size_t lane, const V& half_step_s,
+                     const Triple<V>& a_to_b, Triple<V>& by) {
+  const V zero = hn::Zero(d);
+  const auto spin = [&](const V& dynamic, const T(&of)[3][kLanes]) HWY_ATTR {
+    const auto carries = hn::Eq(dynamic, zero);
+    const Triple<V> all = load(d, of, lane);
+    return Triple<V>{hn::IfThenElseZero(carries, all.x), hn::IfThenElseZero(carries, all.y),
+                     hn::IfThenElseZero(carries, all.z)};
+  };
+  const Triple<V> a = spin(pairs.a.dynamic, start.spin_a);
+  const Triple<V> b = spin(pairs.b.dynamic, start.spin_b);
+  if (hn::AllTrue(d, hn::Eq(hn::Add(dot(a, a), dot(b, b)), zero))) return false;
+  by = scaled(half_step_s, sum(cross(a, cross(a, a_to_b)), cross(b, cross(b, a_to_b))));
+  return true;
+}
+
 template <class T>
-void prepare(const ContactBlock& block, const PairLanes<T>& shared, const StartLanes<T>& start, T still_mps,
+void prepare(const ContactBlock& block, const PairLanes<T>& shared, const StartLanes<T>& start, const BlockTerms& terms,
              std::span<PointLanes<T>> manifold_points, const ScaledInverseInertia<T>* scaled_inverse_inertias) {
   const hn::CappedTag<T, kLanes> d;
   using V = hn::Vec<decltype(d)>;
   const V zero = hn::Zero(d);
   const V one = hn::Set(d, T(1));
+  const V still_mps = hn::Set(d, static_cast<T>(terms.still_mps));
+  const V half_step_s = hn::Set(d, static_cast<T>(0.5 * terms.step_s));
   const BodyLanes<T> bodies = {nullptr, scaled_inverse_inertias};
   for (std::size_t lane = 0; lane < kLanes; lane += hn::Lanes(d)) {
     const Pairs<V> pairs = {side(d, block.a + lane, hn::Load(d, shared.dynamic_a + lane), bodies, MotionRead::Nothing),
@@ -137,19 +158,22 @@ void prepare(const ContactBlock& block, const PairLanes<T>& shared, const StartL
     const Triple<V> a_to_b = load(d, shared.a_to_b, lane);
     const V reduced_mass = hn::Load(d, shared.reduced_mass + lane);
     const V moving = hn::Add(pairs.a.dynamic, pairs.b.dynamic);
+    Triple<V> bent;
+    const bool bends = bend(d, pairs, start, lane, half_step_s, a_to_b, bent);
     for (PointLanes<T>& point : manifold_points) {
       const Triple<V> n = load(d, point.normal, lane);
       const Arms<V> arms = arms_of(d, point, a_to_b, lane);
-      const Triple<V> rate = sum(load(d, start.velocity, lane), difference(cross(load(d, start.spin_a, lane), arms.a),
-                                                                           cross(load(d, start.spin_b, lane), arms.b)));
+      Triple<V> rate = sum(load(d, start.velocity, lane), difference(cross(load(d, start.spin_a, lane), arms.a),
+                                                                     cross(load(d, start.spin_b, lane), arms.b)));
+      // Along the surface: along the normal that of what is round does not go with it.
+      if (bends) rate = sum(rate, difference(bent, scaled(dot(bent, n), n)));
       const Triple<V> ta = cross(arms.a, n);
       const Triple<V> tb = cross(arms.b, n);
       const V k = hn::Add(moving, dynamic(pairs, ta, tb, ta, tb));
       // The inverse masses make a sum of 1, so 1 / M is at least that.
       auto counts = hn::And(hn::Gt(reduced_mass, zero), hn::Ge(k, hn::Set(d, T(0.5))));
       counts = hn::And(counts, hn::Gt(hn::Load(d, point.mass + lane), zero));
-      counts =
-          hn::And(counts, hn::Le(hn::Mul(hn::Load(d, start.restitution + lane), dot(n, rate)), hn::Set(d, still_mps)));
+      counts = hn::And(counts, hn::Le(hn::Mul(hn::Load(d, start.restitution + lane), dot(n, rate)), still_mps));
       store(d, rate, point.rate, lane);
       hn::Store(hn::IfThenElseZero(counts, hn::Div(one, hn::IfThenElse(counts, k, one))), d, point.mass + lane);
       hn::Store(hn::IfThenElseZero(counts, hn::Load(d, point.impulse + lane)), d, point.impulse + lane);
@@ -261,9 +285,10 @@ HWY_INLINE void add_change(D d, const LaneChange<V>& lanes, IterationChange<T>& 
 // Friction at one contact point, clamped to the cone of the impulse along the normal; the size of what changed.
 template <class D, class T, class V>
 HWY_INLINE V apply_friction(D d, PointLanes<T>& point, const V& friction, const Triple<V>& n, const Triple<V>& rate,
-                            const Arms<V>& arms, const V& impulse, std::size_t lane, Pairs<V>& pairs) {
+                            const Arms<V>& arms, const V& impulse, std::size_t lane, Pairs<V>& pairs,
+                            const V& relaxation) {
   const V one = hn::Set(d, T(1));
-  const V across = hn::Load(d, point.across + lane);
+  const V across = hn::Mul(relaxation, hn::Load(d, point.across + lane));
   const Triple<V> before = load(d, point.friction_impulse, lane);
   const Triple<V> velocity = sum(rate, slip(pairs, arms));
   const Triple<V> sliding = difference(velocity, scaled(dot(velocity, n), n));
@@ -304,6 +329,7 @@ IterationChange<T> solve(ContactBlock& block, const SolvedLanes<T>& lanes, const
   using V = hn::Vec<decltype(d)>;
   const V zero = hn::Zero(d);
   const V per_h = hn::Set(d, T(1) / terms.h_s);
+  const V relaxation = hn::Set(d, terms.relaxation);
   // Positions change in the first iteration alone.
   const bool push = iteration == 0;
   const bool moved = iteration <= 1;
@@ -334,14 +360,15 @@ IterationChange<T> solve(ContactBlock& block, const SolvedLanes<T>& lanes, const
       if (!terms.watch && terms.totals.after) {
         begin_total(d, point, n, before, block.frictional, terms.totals, lane, totals[p]);
       }
-      V after = hn::Max(hn::Add(before, hn::Mul(mass, hn::Sub(closing, hn::Mul(gap, per_h)))), zero);
+      V after =
+          hn::Max(hn::Add(before, hn::Mul(hn::Mul(relaxation, mass), hn::Sub(closing, hn::Mul(gap, per_h)))), zero);
       after = hn::IfThenElseZero(hn::Gt(mass, zero), after);
       hn::Store(after, d, point.impulse + lane);
       const V units = hn::Sub(after, before);
       give<false>(arms, scaled(units, n), pairs);
       V change = hn::Abs(units);
       if (block.frictional)
-        change = hn::Max(change, apply_friction(d, point, friction, n, rate, arms, after, lane, pairs));
+        change = hn::Max(change, apply_friction(d, point, friction, n, rate, arms, after, lane, pairs, relaxation));
       if (terms.watch) {
         note(d, mass, load_at(shared.reduced_mass), after, change, here);
       } else if (terms.totals.after) {
@@ -369,14 +396,14 @@ IterationChange<T> solve(ContactBlock& block, const SolvedLanes<T>& lanes, const
 }
 
 void prepare_float(const ContactBlock& block, const PairLanes<float>& pairs, const StartLanes<float>& start,
-                   float still_mps, std::span<PointLanes<float>> manifold_points,
+                   const BlockTerms& terms, std::span<PointLanes<float>> manifold_points,
                    const ScaledInverseInertia<float>* scaled_inverse_inertias) {
-  prepare(block, pairs, start, still_mps, manifold_points, scaled_inverse_inertias);
+  prepare(block, pairs, start, terms, manifold_points, scaled_inverse_inertias);
 }
 void prepare_double(const ContactBlock& block, const PairLanes<double>& pairs, const StartLanes<double>& start,
-                    double still_mps, std::span<PointLanes<double>> manifold_points,
+                    const BlockTerms& terms, std::span<PointLanes<double>> manifold_points,
                     const ScaledInverseInertia<double>* scaled_inverse_inertias) {
-  prepare(block, pairs, start, still_mps, manifold_points, scaled_inverse_inertias);
+  prepare(block, pairs, start, terms, manifold_points, scaled_inverse_inertias);
 }
 void warm_float(const ContactBlock& block, const PairLanes<float>& pairs,
                 std::span<const PointLanes<float>> manifold_points, const BodyLanes<float>& bodies) {
@@ -411,14 +438,14 @@ HWY_EXPORT(solve_float);
 HWY_EXPORT(solve_double);
 
 void prepare_block(const ContactBlock& block, const PairLanes<float>& pairs, const StartLanes<float>& start,
-                   float still_mps, std::span<PointLanes<float>> manifold_points,
+                   const BlockTerms& terms, std::span<PointLanes<float>> manifold_points,
                    const ScaledInverseInertia<float>* scaled_inverse_inertias) {
-  HWY_DYNAMIC_DISPATCH(prepare_float)(block, pairs, start, still_mps, manifold_points, scaled_inverse_inertias);
+  HWY_DYNAMIC_DISPATCH(prepare_float)(block, pairs, start, terms, manifold_points, scaled_inverse_inertias);
 }
 void prepare_block(const ContactBlock& block, const PairLanes<double>& pairs, const StartLanes<double>& start,
-                   double still_mps, std::span<PointLanes<double>> manifold_points,
+                   const BlockTerms& terms, std::span<PointLanes<double>> manifold_points,
                    const ScaledInverseInertia<double>* scaled_inverse_inertias) {
-  HWY_DYNAMIC_DISPATCH(prepare_double)(block, pairs, start, still_mps, manifold_points, scaled_inverse_inertias);
+  HWY_DYNAMIC_DISPATCH(prepare_double)(block, pairs, start, terms, manifold_points, scaled_inverse_inertias);
 }
 void warm_start_block(const ContactBlock& block, const PairLanes<float>& pairs,
                       std::span<const PointLanes<float>> manifold_points, const BodyLanes<float>& bodies) {

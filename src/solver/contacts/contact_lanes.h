@@ -106,6 +106,7 @@ struct SubstepTerms {
   T still_mps = 0;
   T push_share = 0;
   T most_push_m = 0;
+  T relaxation = 1;    ///< of an iteration: each point makes so many times the change that it asks for, in (0, 2)
   bool watch = false;  ///< measure what the iteration changes (IterationChange), add nothing to totals
   SubstepTotals totals;
 };
@@ -127,13 +128,21 @@ struct BodyLanes {
   const ScaledInverseInertia<T>* scaled_inverse_inertias = nullptr;
 };
 
+/// What all blocks of a step share.
+struct BlockTerms {
+  double still_mps = 0;  ///< what closes more slowly does not rebound
+  double step_s = 0;
+  double substep_s = 0;
+};
+
 /// Completes the lanes of a block: normal, arm, gaps and impulses of its contact points are there. Contact points that
-/// close fast enough to rebound answer nothing.
+/// close fast enough to rebound answer nothing. What a kinematic body carries around is to follow it along the chord of
+/// its way in the step: along the tangent it would move outwards in each step.
 void prepare_block(const ContactBlock& block, const PairLanes<float>& pairs, const StartLanes<float>& start,
-                   float still_mps, std::span<PointLanes<float>> manifold_points,
+                   const BlockTerms& terms, std::span<PointLanes<float>> manifold_points,
                    const ScaledInverseInertia<float>* scaled_inverse_inertias);
 void prepare_block(const ContactBlock& block, const PairLanes<double>& pairs, const StartLanes<double>& start,
-                   double still_mps, std::span<PointLanes<double>> manifold_points,
+                   const BlockTerms& terms, std::span<PointLanes<double>> manifold_points,
                    const ScaledInverseInertia<double>* scaled_inverse_inertias);
 
 /// Warm starts a block: applies the accumulated impulses of its contact points to its bodies.
