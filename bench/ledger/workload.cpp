@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::array kWorkloads{
     Workload{"jacks-falling", "jacks.json", "", 35, 10, 0},
-    Workload{"jacks-at-rest", "jacks.json", "", 240, 10, 0},
+    Workload{"jacks-at-rest", "jacks.json", "", 400, 10, 0},
     Workload{"jacks-wrench", "jacks.json", "wrench", 35, 10, 0},
     Workload{"jacks-sleeping", "jacks.json", "sleeping", 400, 20, 0},
     Workload{"jacks-in-order", "jacks.json", "deadline", 35, 10, 0},
