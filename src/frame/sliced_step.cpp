@@ -141,7 +141,8 @@ FrameReport run_slice(WorldState& world, const StepInput& input) {
   if (!world.sliced) world.sliced = std::make_unique<SlicedStep>(*world.executor);
   SlicedStep& sliced = *world.sliced;
   const bool limited = input.budget.kind == Budget::Kind::Deadline;
-  if (limited) sliced.slice = time_of_step(input, start, world.forecasts);
+  Nanoseconds time_left{0};
+  if (limited) sliced.slice = time_left = time_of_step(input, start, world.forecasts);
   // A host that leaves it no time gets to its end too: from the frame on by which a step should have ended, late or
   // not.
   constexpr Nanoseconds kLeastSlice(static_cast<std::int64_t>(kLeastFrameNs));
@@ -161,7 +162,7 @@ FrameReport run_slice(WorldState& world, const StepInput& input) {
   report.started = start;
   report.bodies = world.bodies.dynamic_count() + world.bodies.asleep_count();
   report.infeasible_forecast = true;
-  report.host_reserved = limited ? input.budget.deadline - (start + sliced.slice) : Nanoseconds(0);
+  report.host_reserved = limited ? input.budget.deadline - (start + time_left) : Nanoseconds(0);
   if (input.release) report.release_delay = std::max(Nanoseconds(0), start - *input.release);
   if (!ended) note_unfinished(world, report);
   if (sliced.input.record && ended) world.decisions->finished(report.frame);

@@ -32,6 +32,25 @@ inline void follow(double measured_ns, double& cost_ns) {
   cost_ns += kNewShare * (std::min(measured_ns, kMostOfExpected * cost_ns) - cost_ns);
 }
 
+/// What a node-pair expansion takes, learned.
+struct UnitCost {
+  double ns = 60;          ///< a prior, replaced by what is measured
+  double busy_ns = 0;      ///< of frames too small to tell by themselves
+  std::uint64_t done = 0;  ///< units of these
+
+  /// A frame took so long for so many. What few units take is told by several frames: where each is thought to be too
+  /// dear, few are all that there is time for, and nothing would be learned any more.
+  void learn(double frame_busy_ns, std::uint64_t units) {
+    constexpr std::uint64_t kLeastUnits = 100;  // chosen
+    busy_ns += frame_busy_ns;
+    done += units;
+    if (done < kLeastUnits) return;
+    follow(busy_ns / static_cast<double>(done), ns);
+    busy_ns = 0;
+    done = 0;
+  }
+};
+
 /// What it takes to bring a pair of those that can be refined to its end, by all workers together: in the order of
 /// memory, or by score with its ranking; learned. What the order that was not taken would have cost is told from how
 /// the two compare.
@@ -72,8 +91,8 @@ struct Forecasts {
   scheduler::TailForecast head;  ///< of what comes before refinement; its contacts are the active pairs
   scheduler::TailForecast rest;  ///< of what comes after the iterations of resting contact
   TimeFacts times;
-  double solved_share = 1;   ///< of the pairs that are not separated; learned
-  double unit_cost_ns = 60;  ///< of a node-pair expansion: a prior, replaced by what is measured
+  double solved_share = 1;  ///< of the pairs that are not separated; learned
+  UnitCost unit_cost;
   double iteration_ns = 10;  ///< likewise of a point iteration beyond one a substep, by all workers together
   RefinementCost pair_cost;
   double entry_cost_ns = 12;  ///< likewise of making contact points, an entry of a front, by all workers together

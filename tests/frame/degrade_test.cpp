@@ -169,6 +169,16 @@ TEST(Degrade, WhatPairsCostInTheOtherOrderIsLearnedWhereOneFollowsTheOther) {
   EXPECT_NEAR(cost.by_score_ns, 1200, 20);
 }
 
+TEST(Degrade, WhatAUnitCostsIsLearnedOfFewUnitsTooAndNotFromOneStall) {
+  simulation::UnitCost cost;
+  cost.learn(3e9, 2800);
+  EXPECT_LE(cost.ns, 2 * simulation::UnitCost{}.ns) << "the program was stopped for three seconds";
+  // Thought to be that dear, units were few, whatever they took.
+  cost.ns = 1e4;
+  for (int frame = 0; frame < 200; ++frame) cost.learn(20 * 50, 20);
+  EXPECT_NEAR(cost.ns, 50, 5);
+}
+
 TEST(Degrade, WhatPairsCostIsNotToldByAFewThatAreLeftOver) {
   using simulation::RefinementCost;
   EXPECT_FALSE(RefinementCost::tells(15));
@@ -370,7 +380,7 @@ TEST(FrameTime, WhatOneWorldLearnedIsWhereAnotherBegins) {
       EXPECT_GE(report.mandatory_forecast.count(), 0) << us;
     }
     EXPECT_LE(other.world.time_priors().tail_us[1], 1e9);
-    EXPECT_LE(other.world.time_priors().unit_cost_ns, 1e9);
+    EXPECT_LE(other.world.time_priors().unit_cost_ns, 1e4);
   }
 }
 

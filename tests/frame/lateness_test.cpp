@@ -94,6 +94,18 @@ TEST(Lateness, APieceThatTheMachineHeldUpIsNoOverrun) {
   EXPECT_EQ(late.report.cause, MissCause::Machine);
 }
 
+TEST(Lateness, WhatIsMandatoryTakesNoLessThanNothing) {
+  InventedFrame held_up;
+  held_up.report.times.solve = milliseconds(6);
+  held_up.report.times.publish = microseconds(300);
+  held_up.forecasts.times.iterated = microseconds(5700);
+  // The machine took four milliseconds of the iterations that end in time.
+  held_up.account(milliseconds(4), milliseconds(4));
+  EXPECT_EQ(held_up.report.tail_optional, microseconds(5700));
+  EXPECT_GE(held_up.report.mandatory, Nanoseconds(0));
+  EXPECT_GE(held_up.forecasts.times.ns_of_load, 0);
+}
+
 TEST(Lateness, OwnWaitsOfAnyStageAreNotTheMachines) {
   parallel::Waits waits;
   waits.add(milliseconds(3), milliseconds(3));

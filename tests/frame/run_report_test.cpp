@@ -87,6 +87,15 @@ TEST(ClopperPearson, AgreesWithPublishedIntervals) {
   EXPECT_NEAR(rare.high, 0.1776, 5e-5);
 }
 
+TEST(RunFigures, AReleaseThatWasSkippedBehindAFrameInTimeIsARelease) {
+  std::vector<RunFrame> frames(4, frame_of(milliseconds(10)));
+  frames[2].releases_skipped = 2;
+  const RunFigures figures = run_figures(frames, {true});
+  ASSERT_TRUE(figures.misses);
+  EXPECT_EQ(figures.misses->count, 2U);
+  EXPECT_EQ(figures.misses->release, 2U);
+}
+
 TEST(RunFigures, CountsMissesByCauseAndTheCausesSumToTheCount) {
   std::vector<RunFrame> frames(10, frame_of(milliseconds(10)));
   frames[1] = frame_of(milliseconds(20), milliseconds(4), MissCause::Infeasible);

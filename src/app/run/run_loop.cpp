@@ -100,8 +100,9 @@ Result<LoopResult> run_loop(SceneRun& run, const LoopSettings& settings, const p
     input.measure_levels = i % kLookAtLevels == kLookAtLevels - 1;
     frame.report = run.world().step(input);
     if (frame.report.status != StepStatus::Done) return bad_input("the step was refused: its input is out of range");
+    simulation::LoadTime load;
     if (settings.render_load.any()) {
-      const simulation::LoadTime load = simulation::burn(simulation::load_of(settings.render_load, i));
+      load = simulation::burn(simulation::load_of(settings.render_load, i));
       run.world().report_host_work(load.wall);
       simulation::add_host_work(load.wall, load.off_cpu, frame.report);
     }
@@ -124,7 +125,7 @@ Result<LoopResult> run_loop(SceneRun& run, const LoopSettings& settings, const p
     const Nanoseconds recorded = record || capture || states ? SteadyClock::now() - recorded_from : Nanoseconds(0);
     if (settings.paced) {
       if (input.measure_levels) {
-        grid.postpone(SteadyClock::now() - (frame.report.started + frame.report.times.total));
+        grid.postpone(SteadyClock::now() - (frame.report.started + frame.report.times.total + load.wall));
       } else {
         grid.postpone(recorded);
         if (frame.report.reference) grid.postpone(frame.report.reference->time);

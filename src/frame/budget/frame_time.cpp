@@ -14,8 +14,6 @@
 namespace poise::simulation {
 namespace {
 
-constexpr double kUnknownUnitCostNs = 60;
-
 // How much of what is learned of a frame's cost comes from the last one. Chosen.
 constexpr double kNewShare = 0.25;
 
@@ -113,7 +111,7 @@ void set_budget(int substeps, Nanoseconds host, SteadyClock::time_point now, For
   const double least = std::min(all, plan.share * static_cast<double>(forecasts.times.manifold_points) * substeps);
   work.point_iterations = static_cast<std::uint64_t>(least);
   plan.budget =
-      scheduler::make_frame_budget(plan.deadline, host, forecasts.tail, forecasts.margin, work, forecasts.unit_cost_ns);
+      scheduler::make_frame_budget(plan.deadline, host, forecasts.tail, forecasts.margin, work, forecasts.unit_cost.ns);
   plan.budget.tail_optional = iterations_forecast(forecasts, all - least);
 }
 
@@ -354,13 +352,13 @@ void account_time(const StepInput& step, const FrameCounts& counts, std::uint64_
   const Nanoseconds own = std::max(Nanoseconds(0), times.total - caller.cpu - report.waited);
   report.off_cpu += own + caller.waits.held_up;
   // What the machine took of refinement is no part of the rest.
-  const std::vector<WorkerTally>& tallies = counts.levels.tallies;
-  const Nanoseconds of_refinement = tallies.empty() ? Nanoseconds(0) : tallies[0].off_cpu;
-  const Nanoseconds of_rest = std::max(Nanoseconds(0), own - of_refinement) + caller.waits.held_up;
+  const Nanoseconds of_refinement = counts.levels.off_cpu;
   // Nor is what the contact solver iterated beyond once a substep.
   report.tail_optional = std::min(times.solve, std::exchange(forecasts.times.iterated, Nanoseconds(0)));
-  report.mandatory =
-      times.total - (times.refine - report.planning) - of_rest - report.tail_optional + report.host_reserved;
+  const Nanoseconds rest = times.total - (times.refine - report.planning) - report.tail_optional;
+  const Nanoseconds of_rest = std::max(Nanoseconds(0), own - of_refinement) + caller.waits.held_up;
+  // What was taken of these iterations is known only as a part of all.
+  report.mandatory = std::max(Nanoseconds(0), rest - of_rest) + report.host_reserved;
   classify_again(report, times.total + report.host_reserved - report.budget);
   // The margin is tracked against the very forecast that the reserve was made of, whatever that one did not foresee.
   forecasts.margin.observe(report.tail_needed(), report.tail_forecast);
@@ -439,11 +437,11 @@ void forget_times(Forecasts& forecasts, double alpha, const scheduler::TimePrior
   forecasts.margin =
       scheduler::TrackedQuantile(alpha, scheduler::TrackedQuantile::eta_for(known ? priors.spread : 0), log_quantile);
   forecasts.host_work = scheduler::DurationForecast(alpha);
-  // A unit of a second is none. Chosen.
-  constexpr double kMostUnitCostNs = 1e9;
-  forecasts.unit_cost_ns = known && priors.unit_cost_ns > 0 && priors.unit_cost_ns <= kMostUnitCostNs
-                               ? priors.unit_cost_ns
-                               : kUnknownUnitCostNs;
+  // What a unit takes at most; more was a machine that had other things to do. Chosen.
+  constexpr double kMostUnitCostNs = 1e4;
+  forecasts.unit_cost = {};
+  if (known && priors.unit_cost_ns > 0 && priors.unit_cost_ns <= kMostUnitCostNs)
+    forecasts.unit_cost.ns = priors.unit_cost_ns;
   forecasts.solved_share = 1;
   forecasts.times = {};
 }
@@ -454,7 +452,7 @@ scheduler::TimePriors times_of(const Forecasts& forecasts) {
   priors.head_us = forecasts.head.coefficients_us();
   priors.log_quantile = forecasts.margin.log_quantile();
   priors.spread = forecasts.margin.spread();
-  priors.unit_cost_ns = forecasts.unit_cost_ns;
+  priors.unit_cost_ns = forecasts.unit_cost.ns;
   priors.frames = forecasts.times.frames;
   return priors;
 }

@@ -18,6 +18,9 @@ namespace {
 constexpr double kListingNs = 6;
 // Of the time for ranking, what may go into that at most. Chosen.
 constexpr double kListingShare = 0.5;
+// What is expected of ranking a pair falls by this in a frame that has no time for any, but not below the least.
+// Chosen.
+constexpr double kForgotten = 0.95, kLeastRankCostNs = 30;
 // Cues are measured where bodies and points lie, anywhere in memory: prefetched so many pairs ahead.
 constexpr std::size_t kAhead = 6;
 
@@ -229,8 +232,12 @@ bool rank_pairs(const RefineInput& input, const RefineResources& resources, cons
   const bool lists = listing_ns < kListingShare * allowed_ns && input.policy.cue.function == nullptr;
   const auto most =
       static_cast<std::size_t>(std::max(0.0, (allowed_ns - (lists ? listing_ns : 0)) / std::max(rank_cost_ns, 1e-3)));
-  // Not even the pairs of one chunk.
-  if (most * std::max<std::size_t>(table.chunks(), 1) < refinable) return false;
+  // Not even the pairs of one chunk. Seldom they are thought to be dearer than they are, and who ranks none does not
+  // learn: so they are tried again some time.
+  if (most * std::max<std::size_t>(table.chunks(), 1) < refinable) {
+    rank_cost_ns = std::max(std::min(rank_cost_ns, kLeastRankCostNs), kForgotten * rank_cost_ns);
+    return false;
+  }
   OpenRefinement& open = resources.open;
   choose_chunks(table, input.frame, most, open.chunks);
   open.turns.begin(positions_of(table, open.chunks, lists, open.chunks_of_turns));
@@ -246,7 +253,7 @@ bool rank_pairs(const RefineInput& input, const RefineResources& resources, cons
   report.cues_refused = ranking.refused();
   if (ranking.ranked() >= 100) {
     const double measured_ns = static_cast<double>(took.count()) / static_cast<double>(ranking.ranked());
-    rank_cost_ns += 0.2 * (measured_ns - rank_cost_ns);
+    follow(measured_ns, rank_cost_ns);
   }
   return true;
 }

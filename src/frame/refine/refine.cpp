@@ -177,10 +177,8 @@ void sum_tallies(const RefineInput& input, const CompletedLevels& levels, Foreca
       report.longest_job_b = input.scene.bodies.id_of(pair.high());
     }
   }
-  constexpr std::uint64_t kLeastUnits = 100;
-  if (input.step.budget.kind != Budget::Kind::Deadline || report.work_refine < kLeastUnits) return;
-  const double measured = static_cast<double>(busy.count()) / static_cast<double>(report.work_refine);
-  forecasts.unit_cost_ns += 0.2 * (measured - forecasts.unit_cost_ns);
+  if (input.step.budget.kind == Budget::Kind::Deadline)
+    forecasts.unit_cost.learn(static_cast<double>(busy.count()), report.work_refine);
 }
 
 }  // namespace

@@ -109,6 +109,7 @@ struct CompletedLevels {
   std::int64_t present = 0;            ///< under a deadline: pairs not known to be separated after refinement
   SteadyClock::time_point deadline{};  ///< under one: when the step is to end, with the host's work after it
   parallel::Waits waits;               ///< under a deadline: of the calling thread, for jobs of others
+  Nanoseconds off_cpu{0};              ///< under a deadline: what the machine took of that thread meanwhile
   int substeps = 0;                    ///< of the contact solver, where the frame is degraded to fewer; else 0
   bool learns = false;                 ///< FrameDecisions::learns
   bool jobs_left = false;              ///< some that nobody waits for may still read what refinement reads

@@ -180,6 +180,7 @@ class OpenRefinement::Job {
       const Nanoseconds before = tally_.off_cpu;
       tally_.off_cpu = off_cpu();
       taken = std::clamp(tally_.off_cpu - before, Nanoseconds(0), excess);
+      tally_.busy -= taken;
     }
     if (exceeds) {
       tally_.overrun_off_cpu = taken;

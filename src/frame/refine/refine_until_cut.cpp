@@ -167,6 +167,7 @@ void refine_until_cut(const RefineInput& input, const RefineResources& resources
   const SteadyClock::time_point start = input.begun;
   Forecasts& forecasts = resources.forecasts;
   levels.waits = {};
+  levels.off_cpu = Nanoseconds(0);
   const FramePlan plan = plan_frame(input, start, forecasts, levels, report, executor);
   OpenRefinement& open = resources.open;
   open.run.emplace(OpenRefinement::Run{input, resources.pools, resources.bands, levels, executor, facts, plan.budget,
@@ -190,10 +191,15 @@ void refine_until_cut(const RefineInput& input, const RefineResources& resources
   const parallel::Waits waits_before = executor.waits();
   const Nanoseconds cpu_before = parallel::thread_cpu_time();
   const SteadyClock::time_point run_begun = executor.time();
-  if (!run_jobs(input, resources, levels, {planned, first_cut, in_order_of_time(input), patience}, report, executor))
-    return;
-  report.jobs_discarded += report.jobs_abandoned;
+  const bool ran =
+      run_jobs(input, resources, levels, {planned, first_cut, in_order_of_time(input), patience}, report, executor);
   const SteadyClock::time_point end = executor.time();
+  const Nanoseconds own_cpu = parallel::thread_cpu_time() - cpu_before;
+  if (!ran) {
+    levels.off_cpu = std::max(Nanoseconds(0), end - run_begun - own_cpu);
+    return;
+  }
+  report.jobs_discarded += report.jobs_abandoned;
   levels.waits = executor.waits() - waits_before;
   levels.present = open.contacts.get();
   const std::uint64_t left = expected_solved(forecasts, levels.present);
@@ -205,14 +211,18 @@ void refine_until_cut(const RefineInput& input, const RefineResources& resources
   // While this thread waited for another one's job, the machine may have held that one up.
   const WorkerTally& own = levels.tallies[0];
   report.waited = own.ended == SteadyClock::time_point{} ? Nanoseconds(0) : end - own.ended;
-  Nanoseconds held_up{0};
+  // Or everyone, once nobody had anything to do.
+  Nanoseconds held_up = report.waited;
+  for (const WorkerTally& tally : levels.tallies) {
+    if (tally.ended != SteadyClock::time_point{}) held_up = std::min(held_up, end - tally.ended);
+  }
   for (std::size_t w = 1; w < levels.tallies.size(); ++w) held_up = std::max(held_up, levels.tallies[w].off_cpu);
   if (report.jobs_abandoned > 0) held_up = report.waited;
   report.off_cpu = std::min(report.waited, held_up);
-  const Nanoseconds own_off_cpu = end - run_begun - (parallel::thread_cpu_time() - cpu_before) - report.waited;
+  levels.off_cpu = std::max(Nanoseconds(0), end - run_begun - own_cpu - report.waited);
   const Nanoseconds of_points = time_of_points(forecasts.entry_cost_ns, open.due.get());
   const Nanoseconds past_cut = std::max(Nanoseconds(0), end + of_points - last_cut);
-  const Nanoseconds taken = std::min(past_cut, std::max(Nanoseconds(0), own_off_cpu) + report.off_cpu);
+  const Nanoseconds taken = std::min(past_cut, levels.off_cpu + report.off_cpu);
   note_overrun(past_cut - taken, taken, report);
   for (const WorkerTally& tally : levels.tallies) note_overrun(tally.overrun, tally.overrun_off_cpu, report);
   finish_points(input, resources, levels, executor);

@@ -26,6 +26,8 @@ std::vector<double> collect(std::span<const RunFrame> frames, F&& value) {
 
 void add_cause(MissFigures& misses, MissCause cause, std::uint64_t count) {
   switch (cause) {
+    // A release can be skipped behind a frame that was itself in time, because of what the caller did after it.
+    case MissCause::None:
     case MissCause::Release:
       misses.release += count;
       break;
@@ -38,8 +40,6 @@ void add_cause(MissFigures& misses, MissCause cause, std::uint64_t count) {
     case MissCause::Overrun:
       misses.overrun += count;
       break;
-    // A release can be skipped during a frame that was itself on time, because of the pacing by the caller.
-    case MissCause::None:
     case MissCause::Forecast:
       misses.forecast += count;
       break;
