@@ -232,7 +232,7 @@ Status meshes_change_levels(Context& context) {
                                  100,
                                  0,
                                  {{1e-3, 0.6, 0.1}, {1.7e-3, 1.6, 0.1}},
-                                 {{0.13, 2.6, 0.1}, {0.15, 3.5, 0.12}},
+                                 {{0.13, 2.6, 0.1}, {0.2, 3.5, 0.12}},
                                  {{3.3e-3, 1.3, 0.25}, {0.013, 1.35, 0.25}}});
 }
 Status meshes_change_levels_with_friction(Context& context) {

@@ -5,6 +5,7 @@
 #include <fstream>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "poise/assets/mesh_file.h"
@@ -227,6 +228,69 @@ TEST(ImportGltf, TakesMirrorsAndShearsIntoTheMesh) {
   };
   EXPECT_NEAR(volume("\"scale\": [-2, 3, 1]"), 6, 1e-6) << "not inside out";
   EXPECT_NEAR(volume("\"matrix\": [1, 0, 0, 0, 0.5, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]"), 1, 1e-6);
+}
+
+TEST(ImportGltf, NodesOfOneMeshShareAShapeInSinglePrecisionToo) {
+  geometry::GltfNodes nodes;
+  nodes.meshes.push_back(
+      {{Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1)}, {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}}});
+  nodes.meshes.front().vertices_m.emplace_back(0, -100, 0);  // no corner of a triangle
+  for (int i = 0; i < 40; ++i) {
+    const Quat turn(Eigen::AngleAxisd(0.3 * i, Vec3(1, 0.2 * i, -2).normalized()));
+    Eigen::Matrix4d transform = Eigen::Matrix4d::Identity();
+    transform.topLeftCorner<3, 3>() = (turn.toRotationMatrix() * 0.4).cast<float>().cast<double>();
+    nodes.nodes.push_back({"n", 0, transform});
+  }
+  io::GltfImportSettings settings;
+  settings.scale = 0.01;
+  settings.floor = true;
+  const auto draft = io::gltf_draft(std::move(nodes), settings);
+  ASSERT_TRUE(draft.ok()) << draft.error().message;
+  EXPECT_EQ(draft.value().meshes.size(), 1U);
+  EXPECT_GT(draft.value().bodies.back().position_m.z(), -0.005) << "the floor is below what there is";
+}
+
+TEST(ImportGltf, WhatItCannotReadRightIsRefused) {
+  const TemporaryFolder folder;
+  const auto refusal = [&](const std::string& from, const std::string& to) {
+    std::string text = contents(kShelf);
+    text.replace(text.find(from), from.size(), to);
+    std::ofstream(folder.file("c.gltf")) << text;
+    const auto draft = io::import_gltf(folder.file("c.gltf"), {});
+    return draft.ok() ? std::string() : draft.error().message.substr(folder.file("c.gltf").size());
+  };
+  EXPECT_EQ(
+      refusal("{", "{\"extensionsRequired\": [\"KHR_physics_rigid_bodies\"], "),
+      ": extensionsRequired has \"KHR_physics_rigid_bodies\", must be extensions that are read or change no shape");
+  EXPECT_EQ(refusal("{", "{\"extensionsRequired\": [\"KHR_materials_unlit\"], "), "");
+  EXPECT_EQ(refusal("\"version\"", "\"minVersion\": \"3.0\", \"version\""),
+            ": asset.minVersion = \"3.0\", must be 1 or 2");
+  EXPECT_NE(refusal("\"scale\": [2, 0.1, 1]", "\"matrix\": [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 2]")
+                .find("].matrix must end its four columns with 0, 0, 0 and 1"),
+            std::string::npos);
+}
+
+TEST(ImportDraft, ASheetBesideSolidsIsRefused) {
+  io::SceneDraft draft;
+  draft.meshes.push_back({"sheet",
+                          {},
+                          std::make_shared<const TriangleMesh>(TriangleMesh{
+                              {Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(1, 1, 0), Vec3(0, 1, 0)}, {{0, 1, 2}, {0, 2, 3}}}),
+                          Mat3::Identity()});
+  io::DraftBody& body = draft.bodies.emplace_back();
+  body.name = "b";
+  body.dynamic = true;
+  io::DraftSolid sheet;
+  sheet.kind = io::SolidKind::Mesh;
+  io::DraftSolid solid;
+  solid.kind = io::SolidKind::Box;
+  solid.half_m = Vec3(0.5, 0.5, 0.5);
+  body.solids = {sheet, solid};
+  const TemporaryFolder folder;
+  const auto written = io::write_draft(draft, {}, folder.file("s.json"));
+  ASSERT_FALSE(written.ok());
+  EXPECT_NE(written.error().message.find("must have solids alone or none"), std::string::npos)
+      << written.error().message;
 }
 
 TEST(ImportGltf, IsRefusedWithTheNode) {

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <fstream>
 #include <numbers>
 #include <string>
@@ -244,7 +245,55 @@ TEST(ImportMjcf, IsRefusedWithPlaceAndRule) {
             "m.xml: line 2: <include>: file = 'no.xml': cannot be read: no such file");
   EXPECT_EQ(mjcf_refusal("<default><default/></default>"), "m.xml: line 2: <default>: must have a class");
   EXPECT_EQ(mjcf_refusal("<asset><mesh name='m' vertex='0 0 0 1 0 0 0 1 0' face='0 1 3'/></asset>"),
-            "m.xml: line 2: <mesh>: face = '0 1 3', has '3'");
+            "m.xml: line 2: <mesh>: face = '0 1 3', has '3', must have whole numbers below 3, of vertices");
+}
+
+TEST(ImportMjcf, NamesWhatMuJoCoDoesNotKnowAndWhatWouldChangeMotion) {
+  const auto not_modelled = [](const std::string& model) {
+    const std::string message = mjcf_refusal(model);
+    const std::string begin = "m.xml: not modelled: ";
+    const std::string end = " (at line 2); --skip-unmodelled leaves this out";
+    EXPECT_TRUE(message.starts_with(begin) && message.ends_with(end)) << message;
+    return message.substr(begin.size(), message.size() - std::min(message.size(), begin.size() + end.size()));
+  };
+  const auto body = [](const std::string& inside) {
+    return "<worldbody><body><freejoint/>" + inside + "</body></worldbody>";
+  };
+  EXPECT_EQ(not_modelled("<option gravty='0 0 -1'/>"), "unknown attribute gravty of <option>");
+  EXPECT_EQ(not_modelled("<compiler angel='radian'/>"), "unknown attribute angel of <compiler>");
+  EXPECT_EQ(not_modelled(body("<geom typ='box' size='1'/>")), "unknown attribute typ of <geom>");
+  EXPECT_EQ(not_modelled("<worldbody><body psition='0 0 5'/></worldbody>"), "unknown attribute psition of <body>");
+  EXPECT_EQ(not_modelled(body("<geom size='1' shellinertia='true'/>")), "shellinertia of <geom>");
+  EXPECT_EQ(not_modelled("<compiler boundmass='100'/>"), "boundmass of <compiler>");
+  EXPECT_EQ(not_modelled("<compiler inertiagrouprange='0 2'/>"), "inertiagrouprange of <compiler>");
+  EXPECT_EQ(not_modelled("<option><flag constraint='disable'/></option>"), "contacts switched off");
+  EXPECT_EQ(not_modelled("<worldbody><body><joint type='free' damping='5'/><geom size='1'/></body></worldbody>"),
+            "damping of a free joint");
+  EXPECT_EQ(not_modelled("<default><joint damping='5'/></default>"
+                         "<worldbody><body><joint type='free'/><geom size='1'/></body></worldbody>"),
+            "damping of a free joint");
+  imported(
+      "<compiler boundmass='0.0' inertiafromgeom='true'/><compiler inertiafromgeom='auto'/>"
+      "<default><joint damping='5'/></default><worldbody><body gravcomp='0.0'><freejoint/>"
+      "<geom size='1' solref='0.1 1' rgba='1 0 0 1' euler='0 0 9'/></body>"
+      "<geom type='hfield' hfield='h' contype='0' conaffinity='0'/></worldbody>");
+  const SceneDraft weightless =
+      imported("<option><flag gravity='disable'/></option><option gravity='0 0 -3'/><worldbody/>");
+  EXPECT_TRUE(weightless.gravity_mps2.isZero(0)) << "whichever comes first";
+}
+
+TEST(ImportMjcf, WeighsABodyOfGivenAndOfUnknownMassesInAnyOrder) {
+  const std::string cube =
+      "<asset><mesh name='c' vertex='0 0 0 1 0 0 0 1 0 0 0 1' face='0 2 1 0 1 3 0 3 2 1 2 3'/></asset>";
+  const auto body = [&](const std::string& geoms) {
+    return imported(cube + "<worldbody><body name='b'><freejoint/>" + geoms + "</body></worldbody>", true);
+  };
+  const std::string given = "<geom type='mesh' mesh='c' mass='1'/>";
+  const std::string light = "<geom type='mesh' mesh='c' density='0'/>";
+  const std::string unknown = "<geom type='mesh' mesh='c' density='700' pos='2 0 0'/>";
+  for (const std::string& geoms : {given + unknown, unknown + given, light + unknown}) {
+    EXPECT_EQ(named(body(geoms), "b").density_kgpm3, 700) << geoms;
+  }
 }
 
 }  // namespace

@@ -78,6 +78,36 @@ double read_coordinate(const char* bytes, std::uint64_t component, bool normaliz
   }
 }
 
+/// Refuses what asks for a later version, or for an extension that changes shapes or places and is not read here.
+Status check_requirements(const JsonValue& root) {
+  constexpr std::array<std::string_view, 9> kSoundWithout{"KHR_mesh_quantization",
+                                                          "KHR_draco_mesh_compression",
+                                                          "EXT_meshopt_compression",
+                                                          "KHR_materials_",
+                                                          "KHR_texture_",
+                                                          "EXT_texture_",
+                                                          "MSFT_texture_",
+                                                          "KHR_lights_",
+                                                          "KHR_xmp_"};
+  const JsonValue* asset = root.find("asset");
+  const JsonValue* least = asset != nullptr && asset->is_object() ? asset->find("minVersion") : nullptr;
+  if (least != nullptr && !least->text().starts_with("2.") && !least->text().starts_with("1."))
+    return bad_input(fmt::format("asset.minVersion = {}, must be 1 or 2", io::shown(*least)));
+  const JsonValue* required = root.find("extensionsRequired");
+  if (required == nullptr || !required->is_array()) return Done{};
+  const JsonValue::Items extensions = required->items();
+  for (std::size_t i = 0; i < extensions.size(); ++i) {
+    const JsonValue& extension = extensions[i];
+    const std::string_view name = extension.text();
+    const bool known =
+        std::ranges::any_of(kSoundWithout, [&](std::string_view begin) { return name.starts_with(begin); });
+    if (!known)
+      return bad_input(fmt::format("extensionsRequired has {}, must be extensions that are read or change no shape",
+                                   io::shown(extension)));
+  }
+  return Done{};
+}
+
 }  // namespace
 
 std::optional<std::uint64_t> whole_member(const JsonValue& object, std::string_view name, std::uint64_t otherwise) {
@@ -116,6 +146,8 @@ Result<GltfDocument> GltfDocument::open(std::string_view bytes, const std::files
   Result<JsonValue> root = io::parse_json(parts.value().text, "JSON");
   if (!root) return root.error();
   if (!root.value().is_object()) return bad_input("not a glTF file: must be a JSON object");
+  const Status loads = check_requirements(root.value());
+  if (!loads) return loads.error();
   GltfDocument document;
   document.root_ = std::move(root).value();
   document.binary_ = parts.value().binary;

@@ -40,7 +40,10 @@ Result<Transform> transform_of(const JsonValue& node, const std::string& place) 
   if (node.find("matrix") != nullptr) {
     if (!read_numbers(node, "matrix", matrix.size(), matrix.data()))
       return bad_input(place + ".matrix must be a list of 16 numbers");
-    return Transform(Eigen::Map<const Transform>(matrix.data()));
+    const Transform given(Eigen::Map<const Transform>(matrix.data()));
+    if ((given.row(3) - Eigen::RowVector4d(0, 0, 0, 1)).cwiseAbs().maxCoeff() > 1e-6)
+      return bad_input(place + ".matrix must end its four columns with 0, 0, 0 and 1");
+    return given;
   }
   Vec3 move = Vec3::Zero();
   Vec3 scale = Vec3::Ones();

@@ -35,19 +35,27 @@ struct SplitTransform {
   Mat3 linear = Mat3::Identity();
 };
 
+/// Relative; chosen: of matrices with five decimals.
+constexpr double kSameScale = 3e-5;
+double five_digits(double length) {
+  const double unit = std::pow(10.0, std::floor(std::log10(length)) - 4);
+  const double rounded = std::round(length / unit) * unit;
+  return std::abs(rounded - length) <= kSameScale * length ? rounded : length;
+}
+
 /// Scales along the mesh's axes are split off, a mirror as one of them; a sheared transform goes into the mesh as it
 /// is.
 SplitTransform split(const Mat3& whole) {
   const Vec3 lengths = whole.colwise().norm();
   Mat3 axes = whole;
   for (int i = 0; i < 3; ++i) axes.col(i) /= lengths[i];
-  const bool sheared = (axes.transpose() * axes - Mat3::Identity()).cwiseAbs().maxCoeff() > 1e-6;
+  // Matrices are often written with five decimals.
+  const bool sheared = (axes.transpose() * axes - Mat3::Identity()).cwiseAbs().maxCoeff() > 1e-4;
   if (sheared) return {Quat::Identity(), whole};
+  // Rotations and matrices are often of single precision: equal scales are to make one mesh.
   Vec3 scale = lengths;
-  // Of 0.30000000000000004 three times, so that equal scales make one mesh.
-  if ((scale.array() - scale.mean()).abs().maxCoeff() <= 1e-9 * scale.mean()) scale.setConstant(scale.mean());
-  if (std::abs(scale.x() - 1) <= 1e-12 && std::abs(scale.y() - 1) <= 1e-12 && std::abs(scale.z() - 1) <= 1e-12)
-    scale.setOnes();
+  if ((scale.array() - scale.mean()).abs().maxCoeff() <= kSameScale * scale.mean()) scale.setConstant(scale.mean());
+  for (double& along : scale) along = five_digits(along);
   if (axes.determinant() < 0) {
     axes.col(0) = -axes.col(0);
     scale.x() = -scale.x();
@@ -58,13 +66,17 @@ SplitTransform split(const Mat3& whole) {
 Result<double> lowest_point(const geometry::GltfNodes& nodes) {
   double placed = 0;
   for (const geometry::GltfNode& node : nodes.nodes)
-    placed += static_cast<double>(nodes.meshes[node.mesh].vertices_m.size());
+    placed += 3 * static_cast<double>(nodes.meshes[node.mesh].triangles.size());
   if (placed > kMostPlacedVertices)
     return bad_input(fmt::format("--floor: {:.0f} vertices are placed, at most {:.0f}", placed, kMostPlacedVertices));
   double lowest = std::numeric_limits<double>::infinity();
-  for (const geometry::GltfNode& node : nodes.nodes)
-    for (const Vec3& v : nodes.meshes[node.mesh].vertices_m)
-      lowest = std::min(lowest, (node.transform * v.homogeneous()).y());
+  // Not all vertices of an accessor need be corners.
+  for (const geometry::GltfNode& node : nodes.nodes) {
+    const TriangleMesh& mesh = nodes.meshes[node.mesh];
+    for (const auto& corners : mesh.triangles)
+      for (const std::uint32_t corner : corners)
+        lowest = std::min(lowest, (node.transform * mesh.vertices_m[corner].homogeneous()).y());
+  }
   return lowest;
 }
 

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -11,6 +12,8 @@
 #include <string_view>
 #include <utility>
 #include <vector>
+
+#include "scene/import/mjcf_attributes.h"
 
 namespace poise::io {
 namespace {
@@ -96,8 +99,9 @@ class MjcfBodies {
   }
 
  private:
-  Result<MjcfFrame> inside(const MjcfNode& element, const MjcfFrame& frame) const {
+  Result<MjcfFrame> inside(const MjcfNode& element, const MjcfFrame& frame) {
     const MjcfView view{&document_, &element, nullptr};
+    note_mjcf_attributes(view, unmodelled_);
     MjcfPose pose;
     Status read = view.numbers("pos", {pose.position_m.data(), 3});
     if (read) read = mjcf_orientation(view, settings_.angles, pose.orientation);
@@ -134,8 +138,10 @@ class MjcfBodies {
     if (!free) return free.error();
     if (free.value() && !frame.in_world)
       return bad_input(document_.place(element) + ": has a free joint, must be directly in <worldbody>");
-    if (const char* gravity = element.Attribute("gravcomp"); gravity != nullptr && std::string_view(gravity) != "0")
-      unmodelled_.add("gravcomp", document_.line(element));
+    double gravcomp = 0;
+    const Status floats = MjcfView{&document_, &element, nullptr}.numbers("gravcomp", {&gravcomp, 1});
+    if (!floats) return floats;
+    if (gravcomp != 0) unmodelled_.add("gravcomp", document_.line(element));
     if (!free.value()) {
       const Status weighed = read_inertial(element, inner.value());
       return weighed ? walk(element, inner.value()) : weighed;
@@ -165,9 +171,13 @@ class MjcfBodies {
       if (name == "joint") {
         const Result<const MjcfClass*> own = mjcf_class_of(document_, *child, classes_, frame.defaults);
         if (!own) return own.error();
-        const char* given = MjcfView{&document_, child, own.value()}.find("type");
+        const MjcfView view{&document_, child, own.value()};
+        const char* given = view.find("type");
         type = given != nullptr ? given : "hinge";
+        const Status read = type == "free" ? note_free_joint(view) : Status(Done{});
+        if (!read) return read.error();
       }
+      note_mjcf_attributes({&document_, child, nullptr}, unmodelled_);
       if (type == "free") {
         free = true;
       } else {
@@ -177,11 +187,25 @@ class MjcfBodies {
     return free;
   }
 
+  /// What a free joint may do besides letting go.
+  Status note_free_joint(const MjcfView& view) {
+    for (const char* name : {"stiffness", "damping", "armature", "frictionloss"}) {
+      std::array<double, 3> values{};
+      std::size_t count = 0;
+      const Status read = view.numbers(name, 1, values, count);
+      if (!read) return read;
+      if (std::ranges::any_of(values, [](double value) { return value != 0; }))
+        unmodelled_.add(fmt::format("{} of a free joint", name), document_.line(*view.element));
+    }
+    return Done{};
+  }
+
   Status read_inertial(const MjcfNode& element, MjcfFrame& frame) {
     if (frame.moving == nullptr || settings_.ignore_inertial) return Done{};
     for (const MjcfNode* child : document_.children(element)) {
       if (std::string_view(child->Name()) != "inertial") continue;
       const MjcfView view{&document_, child, nullptr};
+      note_mjcf_attributes(view, unmodelled_);
       double mass_kg = 0;
       const Status read = view.numbers("mass", {&mass_kg, 1});
       if (!read) return read;
@@ -248,11 +272,12 @@ class MjcfBodies {
     const double density = !mesh         ? mass_kg / volume_of(geom.solid)
                            : mass_kg < 0 ? geom.density_kgpm3
                                          : std::numeric_limits<double>::quiet_NaN();
-    if (!moving.density_kgpm3) {
-      moving.density_kgpm3 = density;
-    } else if (!(std::abs(density - *moving.density_kgpm3) <= 1e-6 * *moving.density_kgpm3)) {
+    // Of those of a body the first that says something counts, if any does.
+    const bool first = !moving.density_kgpm3;
+    const bool told = moving.density_kgpm3 && *moving.density_kgpm3 > 0;
+    if (!first && !(std::abs(density - *moving.density_kgpm3) <= 1e-6 * *moving.density_kgpm3))
       unmodelled_.add("other density in the same free body", line);
-    }
+    if (first || !told) moving.density_kgpm3 = density;
     if (mass_kg < 0) moving.mass_known = false;
     if (mass_kg > 0) moving.mass_kg += mass_kg;
   }
@@ -267,6 +292,7 @@ class MjcfBodies {
     }
     if (moving.mass_known) body.mass_kg = moving.mass_kg;
     if (!moving.mass_known) body.density_kgpm3 = moving.density_kgpm3.value_or(1000);
+    if (std::isnan(body.density_kgpm3)) body.density_kgpm3 = 1000;
     if ((moving.mass_known && !(body.mass_kg > 0)) || !(body.density_kgpm3 > 0))
       return bad_input(document_.place(element) + ": moves, must have a mass above 0");
     return Done{};

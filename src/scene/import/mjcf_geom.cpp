@@ -13,11 +13,14 @@
 
 #include "assets/files/text_words.h"
 #include "assets/tree/tree_files.h"
+#include "scene/import/mjcf_attributes.h"
 
 namespace poise::io {
 namespace {
 
 constexpr double kLeastHalf_m = 1e-9;
+// Of a material of a scene.
+constexpr double kMostFriction = 1e6;
 
 struct GeomKind {
   std::string_view name;
@@ -77,7 +80,9 @@ Status read_material(const MjcfView& view, MjcfGeom& geom) {
   if (read) read = view.numbers("mass", {&geom.mass_kg, 1});
   if (read) read = view.numbers("density", {&geom.density_kgpm3, 1});
   if (!read) return read;
-  if (friction[0] < 0) return view.refused("friction", "must be at least 0");
+  if (condim != 1 && condim != 3 && condim != 4 && condim != 6) return view.refused("condim", "must be 1, 3, 4 or 6");
+  if (!(friction[0] >= 0 && friction[0] <= kMostFriction))
+    return view.refused("friction", fmt::format("must be from 0 to {}", kMostFriction));
   if (view.find("mass") != nullptr && geom.mass_kg < 0) return view.refused("mass", "must be at least 0");
   if (geom.density_kgpm3 < 0) return view.refused("density", "must be at least 0");
   geom.friction = condim == 1 ? 0 : friction[0];
@@ -105,7 +110,7 @@ Result<bool> read_solid(const MjcfView& view, const MjcfSettings& settings, Unmo
   if (known == kGeomKinds.end()) {
     if (kind != "hfield" && kind != "sdf")
       return view.refused("type", "must be plane, sphere, capsule, ellipsoid, cylinder, box, mesh, hfield or sdf");
-    unmodelled.add(fmt::format("geom of type {}", kind), view.document->line(*view.element));
+    if (geom.collides()) unmodelled.add(fmt::format("geom of type {}", kind), view.document->line(*view.element));
     return false;
   }
   if (mesh != nullptr) {
@@ -120,13 +125,13 @@ Result<bool> read_solid(const MjcfView& view, const MjcfSettings& settings, Unmo
 
 /// Words of a list of numbers that are not bounded in count.
 template <class Take>
-Status each_number(const MjcfView& view, std::string_view name, Take&& take) {
+Status each_number(const MjcfView& view, std::string_view name, std::string_view rule, Take&& take) {
   std::string line(view.find(name));
   std::ranges::replace(line, '\n', ' ');
   for (const std::string_view word : geometry::words_of(line)) {
     double number = 0;
     if (!geometry::read_number(word, number) || !take(number))
-      return view.refused(name, fmt::format("has '{}'", mjcf_shown(word)));
+      return view.refused(name, fmt::format("has '{}', must have {}", mjcf_shown(word), rule));
   }
   return Done{};
 }
@@ -134,7 +139,7 @@ Status each_number(const MjcfView& view, std::string_view name, Take&& take) {
 Status read_own_faces(const MjcfView& view, TriangleMesh& mesh) {
   std::vector<double> coordinates;
   std::vector<std::uint32_t> corners;
-  Status read = each_number(view, "vertex", [&](double number) {
+  Status read = each_number(view, "vertex", "numbers within 1e9", [&](double number) {
     coordinates.push_back(number);
     return number >= -1e9 && number <= 1e9;
   });
@@ -142,7 +147,7 @@ Status read_own_faces(const MjcfView& view, TriangleMesh& mesh) {
     read = view.refused("vertex", "must be three numbers for each vertex");
   const std::size_t vertices = coordinates.size() / 3;
   if (read)
-    read = each_number(view, "face", [&](double number) {
+    read = each_number(view, "face", fmt::format("whole numbers below {}, of vertices", vertices), [&](double number) {
       if (!(number >= 0 && number < static_cast<double>(vertices))) return false;
       corners.push_back(static_cast<std::uint32_t>(number));
       return static_cast<double>(corners.back()) == number;
@@ -166,6 +171,7 @@ double MjcfGeom::known_mass_kg() const {
 
 Result<bool> read_mjcf_geom(const MjcfView& view, const MjcfSettings& settings, UnmodelledKinds& unmodelled,
                             MjcfGeom& geom) {
+  note_mjcf_attributes(view, unmodelled);
   if (const char* name = view.element->Attribute("name")) geom.name = name;
   Status read = view.numbers("pos", {geom.solid.position_m.data(), 3});
   if (read) read = mjcf_orientation(view, settings.angles, geom.solid.orientation);
@@ -175,6 +181,7 @@ Result<bool> read_mjcf_geom(const MjcfView& view, const MjcfSettings& settings, 
 }
 
 Status read_mjcf_mesh(const MjcfView& view, MjcfSettings& settings, UnmodelledKinds& unmodelled, SceneDraft& draft) {
+  note_mjcf_attributes(view, unmodelled);
   DraftMesh mesh;
   const char* file = view.element->Attribute("file");
   const char* name = view.element->Attribute("name");

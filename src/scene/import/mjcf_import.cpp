@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "scene/import/mjcf_attributes.h"
 #include "scene/import/mjcf_bodies.h"
 #include "scene/import/mjcf_document.h"
 #include "scene/import/mjcf_geom.h"
@@ -30,6 +31,7 @@ bool says(const MjcfNode& element, const char* attribute, std::string_view value
 Status read_compiler(const MjcfDocument& document, const MjcfNode& element, MjcfSettings& settings,
                      UnmodelledKinds& unmodelled) {
   const MjcfView view{&document, &element, nullptr};
+  note_mjcf_attributes(view, unmodelled);
   if (const char* angle = element.Attribute("angle")) {
     settings.angles.degrees = std::string_view(angle) == "degree";
     if (!settings.angles.degrees && std::string_view(angle) != "radian")
@@ -44,18 +46,20 @@ Status read_compiler(const MjcfDocument& document, const MjcfNode& element, Mjcf
   // meshdir goes before assetdir, which is for pictures too.
   for (const char* folder : {"assetdir", "meshdir"})
     if (const char* named = element.Attribute(folder)) settings.mesh_folder = settings.folder / named;
-  settings.file_names_only = settings.file_names_only || says(element, "strippath", "true");
-  settings.ignore_inertial = settings.ignore_inertial || says(element, "inertiafromgeom", "true");
-  if (says(element, "coordinate", "global")) unmodelled.add("global coordinates", document.line(element));
+  // What is said last counts.
+  if (element.Attribute("strippath") != nullptr) settings.file_names_only = says(element, "strippath", "true");
+  if (element.Attribute("inertiafromgeom") != nullptr)
+    settings.ignore_inertial = says(element, "inertiafromgeom", "true");
   double total = -1;
   const Status read = view.numbers("settotalmass", {&total, 1});
   if (read && total > 0) unmodelled.add("settotalmass", document.line(element));
   return read;
 }
 
-Status read_option(const MjcfDocument& document, const MjcfNode& element, SceneDraft& draft,
+Status read_option(const MjcfDocument& document, const MjcfNode& element, SceneDraft& draft, bool& weightless,
                    UnmodelledKinds& unmodelled) {
   const MjcfView view{&document, &element, nullptr};
+  note_mjcf_attributes(view, unmodelled);
   Status read = view.numbers("timestep", {&draft.dt_s, 1});
   if (read && !(draft.dt_s > 0 && draft.dt_s <= 1)) read = view.refused("timestep", "must be above 0 and at most 1");
   if (read) read = view.numbers("gravity", {draft.gravity_mps2.data(), 3});
@@ -68,8 +72,10 @@ Status read_option(const MjcfDocument& document, const MjcfNode& element, SceneD
   if (!read) return read;
   if (!wind.isZero(0) || density != 0 || viscosity != 0) unmodelled.add("air or liquid", document.line(element));
   for (const MjcfNode* flag : document.children(element)) {
-    if (says(*flag, "gravity", "disable")) draft.gravity_mps2 = Vec3::Zero();
-    if (says(*flag, "contact", "disable")) unmodelled.add("contacts switched off", document.line(*flag));
+    if (flag->Attribute("gravity") != nullptr) weightless = says(*flag, "gravity", "disable");
+    if (says(*flag, "override", "enable")) unmodelled.add("overridden contacts", document.line(*flag));
+    if (says(*flag, "contact", "disable") || says(*flag, "constraint", "disable"))
+      unmodelled.add("contacts switched off", document.line(*flag));
   }
   return Done{};
 }
@@ -97,11 +103,12 @@ Status read_asset(const MjcfView& view, MjcfSettings& settings, UnmodelledKinds&
 Status read_sections(const MjcfDocument& document, const MjcfClasses& classes, MjcfSettings& settings,
                      UnmodelledKinds& unmodelled, SceneDraft& draft) {
   const auto sections = document.children(document.root());
+  bool weightless = false;
   for (const MjcfNode* section : sections) {
     const std::string_view name = section->Name();
     Status read = Done{};
     if (name == "compiler") read = read_compiler(document, *section, settings, unmodelled);
-    if (name == "option") read = read_option(document, *section, draft, unmodelled);
+    if (name == "option") read = read_option(document, *section, draft, weightless, unmodelled);
     if (!read) return read;
     if (section_of(name) != MjcfSection::Unmodelled) continue;
     const auto parts = document.children(*section);
@@ -110,6 +117,7 @@ Status read_sections(const MjcfDocument& document, const MjcfClasses& classes, M
     if (parts.empty() && section->FirstAttribute() != nullptr)
       unmodelled.add(mjcf_shown(name), document.line(*section));
   }
+  if (weightless) draft.gravity_mps2 = Vec3::Zero();
   for (const MjcfNode* section : sections) {
     if (std::string_view(section->Name()) != "asset") continue;
     for (const MjcfNode* asset : document.children(*section)) {

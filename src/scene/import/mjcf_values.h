@@ -16,9 +16,10 @@
 namespace poise::io {
 
 /// The attributes that <default> may give and this project reads, of all kinds of elements.
-inline constexpr std::array<std::string_view, 18> kMjcfAttributes{
-    "type", "size",    "fromto",   "pos",     "quat",        "axisangle", "xyaxes", "zaxis", "euler",
-    "mass", "density", "friction", "contype", "conaffinity", "condim",    "mesh",   "scale", "hfield"};
+inline constexpr std::array<std::string_view, 24> kMjcfAttributes{
+    "type",  "size",   "fromto",       "pos",      "quat",      "axisangle",   "xyaxes",   "zaxis",
+    "euler", "mass",   "density",      "friction", "contype",   "conaffinity", "condim",   "mesh",
+    "scale", "hfield", "shellinertia", "inertia",  "stiffness", "damping",     "armature", "frictionloss"};
 
 /// Kinds of elements that have defaults here.
 inline constexpr std::array<std::string_view, 3> kMjcfKinds{"geom", "mesh", "joint"};

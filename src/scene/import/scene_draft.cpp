@@ -184,13 +184,13 @@ class DraftWriter {
 
   Result<DraftJson> union_mesh(const DraftBody& body, const std::string& name) {
     TriangleMesh all;
-    bool shell = false;
+    std::size_t shells = 0;
     for (const DraftSolid& solid : body.solids) {
       TriangleMesh part;
       if (solid.kind == SolidKind::Mesh) {
         Result<ReadMesh> read = read_draft_mesh(solid.mesh);
         if (!read) return read.error();
-        shell = shell || read.value().shell;
+        if (read.value().shell) ++shells;
         part = std::move(read.value().mesh);
       } else {
         part = solid_mesh(solid);
@@ -204,7 +204,12 @@ class DraftWriter {
       for (const Vec3& v : part.vertices_m) all.vertices_m.emplace_back(solid.orientation * v + solid.position_m);
       for (const auto& t : part.triangles) all.triangles.push_back({base + t[0], base + t[1], base + t[2]});
     }
-    return saved_mesh(all, name, shell);
+    // As one mesh of a thickness the solids would be hollow.
+    if (shells > 0 && shells < body.solids.size())
+      return bad_input(fmt::format(
+          "body '{}' has meshes that enclose no volume ({}) beside solids ({}), must have solids alone or none",
+          body.name, shells, body.solids.size() - shells));
+    return saved_mesh(all, name, shells > 0);
   }
 
   /// A mesh of the draft: its own file where that has its size, else a new one.
