@@ -270,6 +270,57 @@ TEST(ImportGltf, WhatItCannotReadRightIsRefused) {
             std::string::npos);
 }
 
+io::DraftSolid box_at(const Vec3& half_m, const Vec3& position_m) {
+  io::DraftSolid box;
+  box.kind = io::SolidKind::Box;
+  box.half_m = half_m;
+  box.position_m = position_m;
+  return box;
+}
+
+// As one mesh, whose vertices are welded when it is read, they would lose the triangles that they share.
+TEST(ImportDraft, SolidsThatLieOnEachOtherWeighWhatTheyWeigh) {
+  const Vec3 half(0.5, 0.5, 0.5);
+  struct Case {
+    std::vector<io::DraftSolid> solids;
+    double volume_m3;
+    Vec3 center_m;
+  };
+  const std::vector<Case> cases = {
+      {{box_at(half, {0, 0, 0}), box_at(half, {0, 0, 0}), box_at(half, {3, 0, 0})}, 3, {1, 0, 0}},
+      {{box_at(half, {0, 0, 0}), box_at({0.5, 0.5, 1}, {0, 0, 0.5})}, 3, {0, 0, 1.0 / 3}},
+      {{box_at(half, {0, 0, 0}), box_at(half, {0, 0, 1})}, 2, {0, 0, 0.5}},
+  };
+  for (const Case& of : cases) {
+    io::SceneDraft draft;
+    draft.name = "s";
+    io::DraftBody& body = draft.bodies.emplace_back();
+    body.name = "b";
+    body.dynamic = true;
+    body.solids = of.solids;
+    const TemporaryFolder folder;
+    const auto written = io::write_draft(draft, {}, folder.file("s.json"));
+    ASSERT_TRUE(written.ok()) << written.error().message;
+    const auto mesh = read_mesh(folder.file("s-meshes/union-1.obj"), {});
+    ASSERT_TRUE(mesh.ok()) << mesh.error().message;
+    EXPECT_TRUE(check_closed(mesh.value()).closed());
+    const MassProperties properties = mesh_mass_properties(mesh.value()).value();
+    EXPECT_NEAR(properties.volume_m3, of.volume_m3, 1e-4);
+    EXPECT_LT((properties.center_of_mass_m - of.center_m).norm(), 1e-4) << properties.center_of_mass_m.transpose();
+  }
+}
+
+TEST(ImportDraft, WhatIsTooThinToBeReadAgainIsRefused) {
+  io::SceneDraft draft;
+  draft.bodies.emplace_back().solids = {box_at({1000, 1000, 0.001}, {0, 0, 0})};
+  const TemporaryFolder folder;
+  const auto written = io::write_draft(draft, {}, folder.file("s.json"));
+  ASSERT_FALSE(written.ok());
+  EXPECT_NE(written.error().message.find("a box of half sizes [1000.0,1000.0,0.001] m is too thin, must be thicker"),
+            std::string::npos)
+      << written.error().message;
+}
+
 TEST(ImportDraft, ASheetBesideSolidsIsRefused) {
   io::SceneDraft draft;
   draft.meshes.push_back({"sheet",

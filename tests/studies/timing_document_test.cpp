@@ -66,7 +66,8 @@ TEST(TraceDocument, IsOneArrayWhateverThePiecesAndNamesAreEscaped) {
   spans[1].units = 35;
   spans[1].body_a = {4, 0};
   spans[1].body_b = {9, 1};
-  append_spans(spans, zero, text);
+  const std::array<std::uint64_t, 2> pair = {4, 19};
+  append_spans(spans, std::span(&pair, 1), zero, text);
   simulation::RunFrame frame;
   frame.report.lateness = Nanoseconds(1000);
   frame.report.cause = MissCause::Machine;
@@ -82,7 +83,7 @@ TEST(TraceDocument, IsOneArrayWhateverThePiecesAndNamesAreEscaped) {
   EXPECT_EQ(events.at(3).at("dur"), 2.5);
   EXPECT_EQ(events.at(3).at("args").at("levels"), 2);
   EXPECT_EQ(events.at(4).at("name"), "piece");
-  EXPECT_EQ(events.at(4).at("args"), json({{"frame", 7}, {"body_a", 4}, {"body_b", 9}, {"units", 35}}));
+  EXPECT_EQ(events.at(4).at("args"), json({{"frame", 7}, {"body_a", 4}, {"body_b", 19}, {"units", 35}}));
   EXPECT_EQ(events.at(7).at("args").at("count"), 7);
   EXPECT_EQ(events.at(9).at("name"), "miss: machine");
   EXPECT_EQ(events.back().at("args").at("discarded"), 3);

@@ -39,6 +39,29 @@ std::uint64_t number_of(const SceneRun& run, BodyId id) {
   return found == bodies.end() ? 0 : found->number;
 }
 
+/// Names the bodies of the pieces that a step has traced while all of them are there.
+class TracedPairs {
+ public:
+  void note(const SceneRun& run, const Trace& trace, std::vector<std::array<std::uint64_t, 2>>& pairs) {
+    const std::span<const TraceSpan> spans = std::span(trace.spans()).subspan(seen_);
+    seen_ += spans.size();
+    if (std::ranges::find(spans, TraceStage::Piece, &TraceSpan::stage) == spans.end()) return;
+    numbers_.clear();
+    for (const RunBody& body : run.bodies()) {
+      if (body.id.slot >= numbers_.size()) numbers_.resize(body.id.slot + std::size_t{1});
+      numbers_[body.id.slot] = body.number;
+    }
+    const auto number = [&](BodyId id) { return id.slot < numbers_.size() ? numbers_[id.slot] : 0; };
+    for (const TraceSpan& span : spans) {
+      if (span.stage == TraceStage::Piece) pairs.push_back({number(span.body_a), number(span.body_b)});
+    }
+  }
+
+ private:
+  std::size_t seen_ = 0;                // spans
+  std::vector<std::uint64_t> numbers_;  // by slot
+};
+
 StepInput step_input(const LoopSettings& settings) {
   StepInput input;
   input.dt_s = settings.dt_s;
@@ -74,6 +97,7 @@ Result<LoopResult> run_loop(SceneRun& run, const LoopSettings& settings, const p
   if (!status) return status.error();
   StepInput input = step_input(settings);
   Nanoseconds longest_job{0};
+  TracedPairs traced;
   input.record = static_cast<bool>(record);
   input.may_slice =
       settings.wall_clock && !settings.reference_every && run.world().settings().islands_wait == IslandsWait::Any;
@@ -118,11 +142,13 @@ Result<LoopResult> run_loop(SceneRun& run, const LoopSettings& settings, const p
     }
     if (frame.report.out_of_range > 0) frame.out_of_range_body = number_of(run, frame.report.out_of_range_body);
     const SteadyClock::time_point recorded_from = SteadyClock::now();
+    if (settings.trace != nullptr) traced.note(run, *settings.trace, result.traced_pairs);
     status = record ? record(frame.report) : Status(Done{});
     if (status && capture) status = capture(frame);
     if (status && (i + 1) % settings.states_every == 0) status = tell_states(run, i + 1, buffer, states);
     if (!status) return status.error();
-    const Nanoseconds recorded = record || capture || states ? SteadyClock::now() - recorded_from : Nanoseconds(0);
+    const Nanoseconds recorded =
+        record || capture || states || settings.trace != nullptr ? SteadyClock::now() - recorded_from : Nanoseconds(0);
     if (settings.paced) {
       if (input.measure_levels) {
         grid.postpone(SteadyClock::now() - (frame.report.started + frame.report.times.total + load.wall));

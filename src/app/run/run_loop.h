@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <optional>
@@ -40,7 +41,8 @@ struct LoopResult {
   std::vector<simulation::RunFrame> frames;  ///< warm-up included
   Conserved start, end;
   double energy_max_j = 0;
-  bool stopped = false;  ///< by a signal
+  std::vector<std::array<std::uint64_t, 2>> traced_pairs;  ///< of each piece of the trace, the numbers of its bodies
+  bool stopped = false;                                    ///< by a signal
 };
 
 /// Told the states after frames (and of the start, as frame 0). As with a record, the time that this takes belongs to

@@ -82,7 +82,8 @@ Status write_spans(const EndedRun& ended, io::AtomicFile& file) {
   if (ended.trace->discarded() > 0)
     print_error("poise run: warning: --trace: {} spans beyond the first {} were left out\n", ended.trace->discarded(),
                 kTraceRoom);
-  return write_trace(file, ended.scene.name, ended.run.world().threads(), *ended.trace, ended.result.frames);
+  return write_trace(file, ended.scene.name, ended.run.world().threads(), *ended.trace, ended.result.traced_pairs,
+                     ended.result.frames);
 }
 
 }  // namespace

@@ -8,7 +8,7 @@
 namespace poise::app {
 
 Status write_trace(io::AtomicFile& file, const std::string& scene, int threads, const Trace& trace,
-                   std::span<const simulation::RunFrame> frames) {
+                   std::span<const std::array<std::uint64_t, 2>> pairs, std::span<const simulation::RunFrame> frames) {
   constexpr std::size_t kAtOnce = 4096;
   const io::TraceHead head{"poise run " + scene, threads, trace.discarded()};
   const SteadyClock::time_point zero = frames.empty() ? SteadyClock::time_point{} : frames.front().report.started;
@@ -17,7 +17,10 @@ Status write_trace(io::AtomicFile& file, const std::string& scene, int threads, 
   std::string text;
   for (std::size_t i = 0; i < spans.size() && written; i += kAtOnce) {
     text.clear();
-    io::append_spans(spans.subspan(i, std::min(kAtOnce, spans.size() - i)), zero, text);
+    const std::span<const TraceSpan> some = spans.subspan(i, std::min(kAtOnce, spans.size() - i));
+    io::append_spans(some, pairs, zero, text);
+    const auto pieces = std::ranges::count(some, TraceStage::Piece, &TraceSpan::stage);
+    pairs = pairs.subspan(std::min(pairs.size(), static_cast<std::size_t>(pieces)));
     written = file.write(text);
   }
   std::uint64_t misses = 0;

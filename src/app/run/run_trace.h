@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <array>
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <string>
 
@@ -14,8 +16,8 @@ namespace poise::app {
 /// Spans that a run's trace may have: 80,000 frames on two threads. Their memory (56 MB) is touched only as they come.
 inline constexpr std::size_t kTraceRoom = std::size_t{1} << 20U;
 
-/// Writes the trace of a run and closes the file. `frames` are the run's, in order.
+/// Writes the trace of a run and closes the file. `frames` are the run's, in order, and `pairs` as in io::append_spans.
 Status write_trace(io::AtomicFile& file, const std::string& scene, int threads, const Trace& trace,
-                   std::span<const simulation::RunFrame> frames);
+                   std::span<const std::array<std::uint64_t, 2>> pairs, std::span<const simulation::RunFrame> frames);
 
 }  // namespace poise::app

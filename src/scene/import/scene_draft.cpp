@@ -15,6 +15,7 @@
 
 #include "assets/files/atomic_file.h"
 #include "geometry/mesh/solids.h"
+#include "math/functions.h"
 #include "poise/assets/mesh_file.h"
 #include "poise/scene/scene.h"
 
@@ -26,6 +27,8 @@ using DraftJson = nlohmann::ordered_json;
 
 constexpr double kMostCoordinate_m = 1e9;
 constexpr double kLeastDiagonal_m = 1e-9;
+// As files of meshes are read (MeshReadOptions).
+constexpr double kWeldRelative = 1e-6;
 
 std::string line_of(const DraftJson& json) { return json.dump(-1, ' ', false, DraftJson::error_handler_t::replace); }
 
@@ -166,8 +169,14 @@ class DraftWriter {
                         [&](const std::string& name) -> Result<DraftJson> {
                           if (solid.kind == SolidKind::Sphere)
                             return DraftJson{{"sphere", {{"radius_m", solid.half_m.x()}}}};
-                          return solid.kind == SolidKind::Mesh ? own_mesh(solid.mesh, name)
-                                                               : saved_mesh(solid_mesh(solid), name, false);
+                          if (solid.kind == SolidKind::Mesh) return own_mesh(solid.mesh, name);
+                          const TriangleMesh mesh = solid_mesh(solid);
+                          if (triangles_lost(mesh) > 0)
+                            return bad_input(
+                                fmt::format("a {} of half sizes {} m is too thin, must be thicker than "
+                                            "{} of its diagonal",
+                                            kind, vector_json(solid.half_m).dump(), kWeldRelative));
+                          return saved_mesh(mesh, name, false);
                         }),
                  solid);
   }
@@ -185,6 +194,7 @@ class DraftWriter {
   Result<DraftJson> union_mesh(const DraftBody& body, const std::string& name) {
     TriangleMesh all;
     std::size_t shells = 0;
+    std::vector<std::size_t> begins;
     for (const DraftSolid& solid : body.solids) {
       TriangleMesh part;
       if (solid.kind == SolidKind::Mesh) {
@@ -201,6 +211,7 @@ class DraftWriter {
         return bad_input(fmt::format("body '{}' needs a mesh of more than {} triangles for its {} solids", body.name,
                                      settings_.most_of_mesh, body.solids.size()));
       const auto base = static_cast<std::uint32_t>(all.vertices_m.size());
+      begins.push_back(base);
       for (const Vec3& v : part.vertices_m) all.vertices_m.emplace_back(solid.orientation * v + solid.position_m);
       for (const auto& t : part.triangles) all.triangles.push_back({base + t[0], base + t[1], base + t[2]});
     }
@@ -209,7 +220,26 @@ class DraftWriter {
       return bad_input(fmt::format(
           "body '{}' has meshes that enclose no volume ({}) beside solids ({}), must have solids alone or none",
           body.name, shells, body.solids.size() - shells));
+    if (triangles_lost(all) > 0) part_solids(begins, all);
     return saved_mesh(all, name, shells > 0);
+  }
+
+  /// How many triangles are not read again where vertices are welded.
+  static std::size_t triangles_lost(TriangleMesh mesh) { return clean_mesh(mesh, kWeldRelative).triangles_discarded; }
+
+  /// Moves each solid of a union by a few millionths of its size, each somewhere else: of faces that lie on each other
+  /// one would be taken for a repetition of the other, and a solid would be open. `begins` has their first vertices.
+  static void part_solids(const std::vector<std::size_t>& begins, TriangleMesh& all) {
+    constexpr double kGolden = 2.399963229728653;  // radians: no two directions are near each other
+    const double step_m = 4 * kWeldRelative * all.diagonal_m();
+    for (std::size_t k = 1; k < begins.size(); ++k) {
+      const math::SinCos turn = math::sin_cos(kGolden * static_cast<double>(k));
+      const double z = 1 - 2 * (static_cast<double>(k) + 0.5) / static_cast<double>(begins.size() + 1);
+      const double across = std::sqrt(1 - z * z);
+      const Vec3 moved = step_m * static_cast<double>(1 + k % 4) * Vec3(across * turn.cos, across * turn.sin, z);
+      const std::size_t end = k + 1 < begins.size() ? begins[k + 1] : all.vertices_m.size();
+      for (std::size_t v = begins[k]; v < end; ++v) all.vertices_m[v] += moved;
+    }
   }
 
   /// A mesh of the draft: its own file where that has its size, else a new one.
@@ -284,7 +314,7 @@ class DraftWriter {
     }
     if (draft.linear.determinant() < 0)
       for (auto& t : read.mesh.triangles) std::swap(t[1], t[2]);
-    if (draft.mesh != nullptr) clean_mesh(read.mesh, 1e-6);
+    if (draft.mesh != nullptr) clean_mesh(read.mesh, kWeldRelative);
     if (read.mesh.triangles.empty() || !(read.mesh.diagonal_m() >= kLeastDiagonal_m))
       return refused("has no triangle with three corners apart");
     const Result<MeshReport> report = assess_mesh(read.mesh);

@@ -32,8 +32,10 @@ std::string trace_begin(const TraceHead& head) {
   return out;
 }
 
-void append_spans(std::span<const TraceSpan> spans, SteadyClock::time_point zero, std::string& out) {
+void append_spans(std::span<const TraceSpan> spans, std::span<const std::array<std::uint64_t, 2>> pairs,
+                  SteadyClock::time_point zero, std::string& out) {
   const auto end = std::back_inserter(out);
+  std::size_t pieces = 0;
   for (const TraceSpan& span : spans) {
     fmt::format_to(
         end,
@@ -41,7 +43,9 @@ void append_spans(std::span<const TraceSpan> spans, SteadyClock::time_point zero
         trace_name(span.stage), span.lane, us(span.begin - zero), us(span.end - span.begin), span.frame);
     if (span.stage == TraceStage::Worker) fmt::format_to(end, ",\"levels\":{}", span.jobs);
     if (span.stage == TraceStage::Piece) {
-      fmt::format_to(end, ",\"body_a\":{},\"body_b\":{},\"units\":{}", span.body_a.slot, span.body_b.slot, span.units);
+      const std::array<std::uint64_t, 2> pair =
+          pieces < pairs.size() ? pairs[pieces++] : std::array<std::uint64_t, 2>{};
+      fmt::format_to(end, ",\"body_a\":{},\"body_b\":{},\"units\":{}", pair[0], pair[1], span.units);
     }
     out += "}}";
   }

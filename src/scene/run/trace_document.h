@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <string>
@@ -22,7 +23,9 @@ struct TraceHead {
 /// microseconds from `zero`); counters once a frame ("C": budget and reserve in ms, misses so far, contacts by level),
 /// with a mark ("i") for each miss; the end.
 std::string trace_begin(const TraceHead& head);
-void append_spans(std::span<const TraceSpan> spans, SteadyClock::time_point zero, std::string& out);
+/// `pairs`: of each piece among the spans, in order, the numbers of its bodies; 0 where there are fewer.
+void append_spans(std::span<const TraceSpan> spans, std::span<const std::array<std::uint64_t, 2>> pairs,
+                  SteadyClock::time_point zero, std::string& out);
 /// `misses` is the count before the frame, and is updated.
 void append_counters(const simulation::RunFrame& frame, SteadyClock::time_point zero, std::uint64_t& misses,
                      std::string& out);
