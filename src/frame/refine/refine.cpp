@@ -163,9 +163,11 @@ void refine_everything(const Refinement& refinement) {
 // Totals of the workers, and what a unit cost.
 void sum_tallies(const RefineInput& input, const CompletedLevels& levels, Forecasts& forecasts, FrameReport& report) {
   Nanoseconds busy{0};
+  std::uint64_t begun_units = 0;
   for (const WorkerTally& tally : levels.tallies) {
     report.work_refine += tally.units;
     busy += tally.busy;
+    begun_units += tally.begun_units;
     report.jobs_done += tally.jobs;
     report.jobs_discarded += tally.discarded;
     report.pairs_separated += tally.separated;
@@ -178,7 +180,7 @@ void sum_tallies(const RefineInput& input, const CompletedLevels& levels, Foreca
     }
   }
   if (input.step.budget.kind == Budget::Kind::Deadline)
-    forecasts.unit_cost.learn(static_cast<double>(busy.count()), report.work_refine);
+    forecasts.unit_cost.learn(static_cast<double>(busy.count()), begun_units);
 }
 
 }  // namespace

@@ -48,6 +48,7 @@ struct RefineInput {
 /// What one worker did in a refinement; put together when all have ended. Written after each job.
 struct alignas(64) WorkerTally {
   std::uint64_t units = 0;
+  std::uint64_t begun_units = 0;  ///< of what took `busy`, completed or not
   std::uint64_t jobs = 0, discarded = 0, separated = 0, full = 0;
   std::uint32_t longest_pair = 0;  ///< in the pair table: of the longest piece
   std::uint32_t longest_units = 0;

@@ -166,6 +166,7 @@ class OpenRefinement::Job {
     now_ = run_.executor.time();
     const Nanoseconds took = now_ - begun;
     tally_.busy += took;
+    tally_.begun_units += unwatched_units_;
     const Nanoseconds excess = took - run_.budget.job_cost(unwatched_units_);
     const bool exceeds = excess > tally_.overrun + tally_.overrun_off_cpu;
     if (exceeds || took > tally_.longest) note_long(begun, took, excess, exceeds);
