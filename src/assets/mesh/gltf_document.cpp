@@ -80,15 +80,16 @@ double read_coordinate(const char* bytes, std::uint64_t component, bool normaliz
 
 /// Refuses what asks for a later version, or for an extension that changes shapes or places and is not read here.
 Status check_requirements(const JsonValue& root) {
-  constexpr std::array<std::string_view, 9> kSoundWithout{"KHR_mesh_quantization",
-                                                          "KHR_draco_mesh_compression",
-                                                          "EXT_meshopt_compression",
-                                                          "KHR_materials_",
-                                                          "KHR_texture_",
-                                                          "EXT_texture_",
-                                                          "MSFT_texture_",
-                                                          "KHR_lights_",
-                                                          "KHR_xmp_"};
+  constexpr std::array<std::string_view, 10> kSoundWithout{"KHR_mesh_quantization",
+                                                           "KHR_draco_mesh_compression",
+                                                           "EXT_meshopt_compression",
+                                                           "KHR_materials_",
+                                                           "KHR_texture_",
+                                                           "EXT_texture_",
+                                                           "MSFT_texture_",
+                                                           "KHR_lights_",
+                                                           "KHR_technique",
+                                                           "KHR_xmp_"};
   const JsonValue* asset = root.find("asset");
   const JsonValue* least = asset != nullptr && asset->is_object() ? asset->find("minVersion") : nullptr;
   if (least != nullptr && !least->text().starts_with("2.") && !least->text().starts_with("1."))

@@ -16,6 +16,7 @@
 
 #include "assets/files/text_file.h"
 #include "assets/mesh/gltf_nodes.h"
+#include "assets/tree/tree_files.h"
 
 namespace poise::io {
 namespace {
@@ -38,9 +39,8 @@ struct SplitTransform {
 /// Relative; chosen: of matrices with five decimals.
 constexpr double kSameScale = 3e-5;
 double five_digits(double length) {
-  const double unit = std::pow(10.0, std::floor(std::log10(length)) - 4);
-  const double rounded = std::round(length / unit) * unit;
-  return std::abs(rounded - length) <= kSameScale * length ? rounded : length;
+  double rounded = length;
+  return geometry::read_number(fmt::format("{:.5g}", length), rounded) ? rounded : length;
 }
 
 /// Scales along the mesh's axes are split off, a mirror as one of them; a sheared transform goes into the mesh as it
