@@ -5,6 +5,8 @@
 
 #include <algorithm>
 
+#include "scene/csv_text.h"
+
 namespace poise::sweep {
 namespace {
 
@@ -28,11 +30,7 @@ Cell text_cell(const std::string& text) { return text.empty() ? Cell() : Cell(te
 std::string csv_cell(const Cell& cell) {
   if (const double* number = std::get_if<double>(&cell)) return fmt::format("{}", *number);
   const std::string* text = std::get_if<std::string>(&cell);
-  if (text == nullptr) return {};
-  if (text->find_first_of(",\"\r\n") == std::string::npos) return *text;
-  std::string quoted = "\"";
-  for (const char c : *text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
-  return quoted + "\"";
+  return text == nullptr ? std::string() : io::csv_text(*text);
 }
 
 }  // namespace

@@ -40,8 +40,8 @@ const std::vector<RunSetting>& run_settings() {
       {"clock", "--clock", SettingKind::Text},
       {"budget_work", "--budget-work", SettingKind::Number},
       {"max_level", "--max-level", SettingKind::NumberOrText},
-      {"backtracking", "--backtracking", SettingKind::Flag},
-      {"sleeping", "--sleeping", SettingKind::Flag},
+      {"backtracking", "--backtracking", SettingKind::Switch},
+      {"sleeping", "--sleeping", SettingKind::Switch},
       {"islands_wait", "--islands-wait", SettingKind::Text},
       {"gaze", "--gaze", SettingKind::File},
       {"seed", "--seed", SettingKind::Number},
@@ -73,6 +73,7 @@ Result<Setting> read_setting(const RunSetting& setting, std::string_view name, c
       if (number) return Setting{std::string(name), number_text(value), value.number()};
       return bad_input("must be a number");
     case SettingKind::Flag:
+    case SettingKind::Switch:
       if (value.kind() != Kind::Boolean) return bad_input("must be true or false");
       return Setting{std::string(name), value.boolean() ? "true" : "false", {}};
     case SettingKind::NumberOrText:
@@ -101,6 +102,11 @@ void add_words(const Setting& setting, const std::string& base, std::vector<std:
   if (known == nullptr) return;
   if (known->kind == SettingKind::Flag) {
     if (setting.text == "true") words.emplace_back(known->option);
+    return;
+  }
+  if (known->kind == SettingKind::Switch) {
+    words.emplace_back(setting.text == "true" ? std::string(known->option)
+                                              : fmt::format("--no-{}", known->option.substr(2)));
     return;
   }
   std::string value = file_of(setting, base);

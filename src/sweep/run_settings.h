@@ -23,7 +23,15 @@ struct Setting {
 };
 
 /// What the values of a setting are.
-enum class SettingKind : std::uint8_t { Number, Text, Flag, NumberOrText, Policy, File };
+enum class SettingKind : std::uint8_t {
+  Number,
+  Text,
+  Flag,    ///< true or false; false passes nothing
+  Switch,  ///< likewise, and the scene has its own: false passes --no-NAME
+  NumberOrText,
+  Policy,
+  File
+};
 
 /// An option of `poise run` that a specification may set: all but those that name outputs, and those that the engines
 /// choose themselves (--affinity).

@@ -101,6 +101,14 @@ TEST(Compare, TakesPolicyFilesByTheirNames) {
   EXPECT_EQ(same.exit_code, 3);
   EXPECT_NE(same.error.find("name = \"fifo\", is that of another policy"), std::string::npos) << same.error;
   EXPECT_EQ(poise_command(compare({"--policies", folder.file("none.json")})).exit_code, 3);
+  std::ofstream(folder.file("oracle.json")) << R"({"schema": "poise.policy/1", "name": "oracle", "policy": {}})";
+  const CommandResult oracle = poise_command(compare({"--policies", "fifo," + folder.file("oracle.json")}));
+  EXPECT_EQ(oracle.exit_code, 3);
+  EXPECT_NE(oracle.error.find("name = \"oracle\", must be another"), std::string::npos) << oracle.error;
+  std::ofstream(folder.file("quoted.json"))
+      << R"({"schema": "poise.policy/1", "name": "near, \"first\"", "policy": {"kind": "fifo"}})";
+  static_cast<void>(compared({"--policies", folder.file("quoted.json"), "--csv", folder.file("c.csv")}));
+  EXPECT_NE(contents(folder.file("c.csv")).find(",\"near, \"\"first\"\"\","), std::string::npos);
 }
 
 TEST(Compare, RefusesWhatItCannotDo) {

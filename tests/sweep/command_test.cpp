@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <csignal>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <set>
@@ -121,6 +122,25 @@ TEST(Sweep, TellsOfATrialThatFailsAndGoesOn) {
   // It is not tried again unless that is asked for.
   EXPECT_FALSE(says(sweep.run({"--workers", "1"}).error, "failed with"));
   EXPECT_TRUE(says(sweep.run({"--workers", "1", "--retry-failed"}).error, "failed with exit code 3"));
+  // An engine that cannot begin takes nothing away.
+  const std::string path = std::getenv("PATH");
+  ::setenv("PATH", sweep.path().c_str(), 1);
+  EXPECT_EQ(sweep.run({"--engine", "slurm", "--retry-failed"}).exit_code, 3);
+  ::setenv("PATH", path.c_str(), 1);
+  EXPECT_EQ(sweep.files("trials", ".trial.json").size(), 3U);
+}
+
+TEST(Sweep, SwitchesOffWhatTheSceneSwitchesOn) {
+  Json spec = short_trials(1, 120);
+  spec["scenes"] = {"metropolis"};
+  spec["axes"] = {{"sleeping", {true, false}}};
+  spec["settings"]["bodies"] = 60;
+  const SweepFolder sweep(spec);
+  EXPECT_EQ(sweep.run({"--workers", "1"}).exit_code, 0);
+  const std::vector<std::string> slept = sweep.column("sleep.asleep_mean");
+  ASSERT_EQ(slept.size(), 2U);
+  EXPECT_GT(std::stod(slept[0]), 0);
+  EXPECT_EQ(slept[1], "0");
 }
 
 TEST(Sweep, EndsATrialAtItsTimeLimit) {

@@ -148,11 +148,27 @@ TEST(TrialWords, AreThoseOfPoiseRun) {
   Trial trial = trials.value()[0];
   trial.settings.push_back({"policy", "mine/p.json", {}});
   trial.settings.push_back({"gaze", "g.csv", {}});
-  EXPECT_EQ(
-      sweep::trial_words(trial, "out.json"),
-      (std::vector<std::string>{"run", "/a.json", "--paced", "--deadline", "4", "--weight", "closing=2.5",
-                                "--reference", "every=60", "--max-level", "polygons", "--policy", "/folder/mine/p.json",
-                                "--gaze", "/folder/g.csv", "--no-time-priors", "--quiet", "--json", "out.json"}));
+  const std::vector<std::string> words = {"run",
+                                          "/a.json",
+                                          "--paced",
+                                          "--no-sleeping",
+                                          "--deadline",
+                                          "4",
+                                          "--weight",
+                                          "closing=2.5",
+                                          "--reference",
+                                          "every=60",
+                                          "--max-level",
+                                          "polygons",
+                                          "--policy",
+                                          "/folder/mine/p.json",
+                                          "--gaze",
+                                          "/folder/g.csv",
+                                          "--no-time-priors",
+                                          "--quiet",
+                                          "--json",
+                                          "out.json"};
+  EXPECT_EQ(sweep::trial_words(trial, "out.json"), words);
 }
 
 TEST(TrialBatch, IsReadAsItWasWrittenAndGivesEachTaskItsTrials) {

@@ -119,6 +119,12 @@ Result<Competitor> competitor_named(const std::string& name, const scheduler::Po
 Status read_policy_file(Competitor& competitor, std::vector<std::string>& errors) {
   const Result<io::PolicyFile> file = io::read_policy_file(competitor.name, competitor.policy, &errors);
   if (!file) return file.error();
+  if (file.value().name == io::kOraclePolicy) {
+    const Error taken =
+        bad_input(fmt::format("{}: name = \"oracle\", must be another: the oracle has this one", competitor.name));
+    errors.push_back(taken.message);
+    return taken;
+  }
   competitor.name = file.value().name;
   competitor.policy = file.value().policy;
   competitor.file = false;

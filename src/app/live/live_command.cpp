@@ -112,7 +112,7 @@ int live(const LiveOptions& options) {
   Result<Scene> scene = parse_scene_text(text.value(), errors);
   for (const std::string& error : errors) refuse_live(kExitBadInput, error);
   if (!scene) return exit_code_of(scene.error());
-  const Status policy = apply_policy(options.run, scene.value(), errors);
+  const Status policy = apply_to_scene(options.run, scene.value(), errors);
   for (const std::string& error : errors) refuse_live(kExitBadInput, error);
   if (!policy) return exit_code_of(policy.error());
   if (options.run.bodies && scene.value().generators.empty())

@@ -47,6 +47,13 @@ CLI::Option* add_number(CLI::App& app, const std::string& name, std::optional<do
   return app.add_option_function<std::string>(name, read, help)->type_name("MS");
 }
 
+void add_switch(CLI::App& app, const std::string& name, std::optional<bool>& target, const std::string& help) {
+  CLI::Option* const on = app.add_flag_function(
+                                 "--" + name, [&target](std::int64_t) { target = true; }, help)
+                              ->take_last();
+  app.add_flag_function("--no-" + name, [&target](std::int64_t) { target = false; })->take_last()->excludes(on);
+}
+
 CLI::Validator numbers_within(double min, double max) {
   return {[min, max](const std::string& text) {
             double value = 0;

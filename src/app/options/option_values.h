@@ -16,6 +16,9 @@ CLI::Option* add_whole(CLI::App& app, const std::string& name, std::optional<std
 CLI::Option* add_number(CLI::App& app, const std::string& name, std::optional<double>& target, double min,
                         bool open_min, double max, const std::string& help);
 
+/// Adds `--name` and `--no-name`; at most one may be given. `target` stays empty without either.
+void add_switch(CLI::App& app, const std::string& name, std::optional<bool>& target, const std::string& help);
+
 /// For each of several values: a finite number in [min, max].
 CLI::Validator numbers_within(double min, double max);
 

@@ -51,7 +51,7 @@ LoopSettings loop_settings(const RunOptions& options, const Scene& scene) {
   loop.budget_work = options.budget_work;
   loop.max_level = static_cast<Level>(options.max_level.value_or(scene.max_level));
   loop.polygons = options.max_level ? options.polygons : scene.polygons;
-  loop.backtracking = options.backtracking || scene.backtracking;
+  loop.backtracking = scene.backtracking;
   loop.reference_every = options.reference_every;
   loop.states_every = options.states_every.value_or(1);
   return loop;
@@ -216,7 +216,7 @@ int run_scene(const RunOptions& options) {
   if (!scene) return exit_code_of(scene.error());
   const Status apart = check_run_files(options, scene.value());
   if (!apart) return refuse("run", kExitBadUsage, apart.error().message);
-  const Status policy = apply_policy(options, scene.value(), errors);
+  const Status policy = apply_to_scene(options, scene.value(), errors);
   for (const std::string& error : errors) refuse("run", kExitBadInput, error);
   if (!policy) return exit_code_of(policy.error());
   if (options.bodies && scene.value().generators.empty()) {

@@ -117,10 +117,11 @@ void add_run_options(CLI::App& command, RunOptions& options) {
   add_whole(command, "--budget-work", options.budget_work, 0, kMany,
             "Refinement a frame in node-pair expansions, with --clock work (default: unlimited)");
   add_max_level(command, options);
-  command.add_flag("--backtracking", options.backtracking,
-                   "Answer bodies that move far in a step where they meet something within it (default: the scene's)");
-  command.add_flag("--sleeping", options.sleeping,
-                   "Let bodies at rest fall asleep until something comes near them (default: the scene's)");
+  add_switch(
+      command, "backtracking", options.backtracking,
+      "Answer bodies that move far in a step where they meet something within it, or not (default: the scene's)");
+  add_switch(command, "sleeping", options.sleeping,
+             "Let bodies at rest fall asleep until something comes near them, or not (default: the scene's)");
   command
       .add_option("--islands-wait", options.islands_wait,
                   "Which islands may wait in a frame that has no time for them: never, near_rest or any (default: the "
@@ -255,7 +256,9 @@ ExecutorKind executor_kind(const RunOptions& options) {
 #endif
 }
 
-Status apply_policy(const RunOptions& options, Scene& scene, std::vector<std::string>& errors) {
+Status apply_to_scene(const RunOptions& options, Scene& scene, std::vector<std::string>& errors) {
+  scene.sleeping = options.sleeping.value_or(scene.sleeping);
+  scene.backtracking = options.backtracking.value_or(scene.backtracking);
   if (io::names_policy_file(options.policy)) {
     const Result<io::PolicyFile> file = io::read_policy_file(options.policy, scene.policy, &errors);
     if (!file) return file.error();
@@ -276,7 +279,7 @@ WorldSettings world_settings(const RunOptions& options, const Scene& scene) {
   settings.policy = scene.policy;
   if (const io::NamedPolicy* named = io::policy_named(options.policy)) settings.policy.kind = named->kind;
   settings.alpha = options.time.alpha.value_or(scene.alpha.value_or(settings.alpha));
-  settings.sleeping = options.sleeping || scene.sleeping;
+  settings.sleeping = scene.sleeping;
   settings.islands_wait = scene.islands_wait;
   for (std::size_t which = 0; which < io::kIslandsWaitNames.size(); ++which) {
     if (options.islands_wait == io::kIslandsWaitNames[which]) settings.islands_wait = static_cast<IslandsWait>(which);

@@ -23,11 +23,11 @@ struct RunOptions {
   std::string scene;
   std::optional<std::uint64_t> frames, bodies, warmup, threads, budget_work, max_level, seed, reference_every,
       states_every;
-  bool polygons = false;  ///< --max-level polygons
-  bool backtracking = false;
+  bool polygons = false;             ///< --max-level polygons
+  std::optional<bool> backtracking;  ///< not given: as the scene says
   std::optional<double> deadline_ms, host_work_ms, spin_us;
-  bool sleeping = false;
-  std::string islands_wait;  ///< empty: as the scene says
+  std::optional<bool> sleeping;  ///< not given: as the scene says
+  std::string islands_wait;      ///< empty: as the scene says
   bool paced = false;
   bool quiet = false;
   std::string policy, contact = "fitted", clock = "wall", executor;
@@ -56,9 +56,9 @@ Status check_run_options(const RunOptions& options);
 /// Refuses an output into a file that the scene names.
 Status check_run_files(const RunOptions& options, const Scene& scene);
 
-/// Puts the policy file and the weights of the command line into the scene. `errors` gets every refusal of the file,
-/// one line each.
-Status apply_policy(const RunOptions& options, Scene& scene, std::vector<std::string>& errors);
+/// Puts what the command line switches on or off, the policy file and the weights into the scene. `errors` gets every
+/// refusal of the file, one line each.
+Status apply_to_scene(const RunOptions& options, Scene& scene, std::vector<std::string>& errors);
 /// What the World is made with; gravity and seed come from the scene.
 WorldSettings world_settings(const RunOptions& options, const Scene& scene);
 ExecutorKind executor_kind(const RunOptions& options);

@@ -112,8 +112,6 @@ ActiveArrays active_arrays(const sweep::TrialStore& store) {
 
 Status submit_arrays(const SweepPlan& plan, const std::vector<sweep::Trial>& pending, const sweep::TrialStore& store,
                      const SweepOptions& options, ActiveArrays& active) {
-  const Status there = check_slurm();
-  if (!there) return there;
   const std::uint64_t site = site_array_size();
   const std::uint64_t most = std::min(options.most_tasks.value_or(site), site);
   for (const sweep::TrialBatch& batch : sweep::slurm_batches(pending, most, options.slurm.exclusive)) {

@@ -19,6 +19,7 @@
 #include "app/report/figures_page.h"
 #include "app/sweep/folder_lock.h"
 #include "app/sweep/slurm_engine.h"
+#include "app/sweep/slurm_jobs.h"
 #include "app/sweep/sweep_options.h"
 #include "app/sweep/sweep_plan.h"
 #include "app/sweep/sweep_report.h"
@@ -115,14 +116,17 @@ struct EngineResult {
   std::string left;  ///< what is said when it was stopped
 };
 
+/// Refused: an engine that cannot begin, before anything of this folder is touched.
+Status check_engine(const SweepOptions& options, const sweep::TrialStore& store) {
+  if (options.engine == "slurm") return check_slurm();
+  const ActiveArrays active = active_arrays(store);
+  if (active.arrays.empty()) return Done{};
+  return bad_input(fmt::format("job array {} of this folder is not over: wait for it, or end it with scancel {}",
+                               active.arrays.front().job, active.arrays.front().job));
+}
+
 EngineResult run_locally(const SweepOptions& options, const std::vector<sweep::Trial>& pending,
                          const sweep::TrialStore& store, const parallel::Interrupt& interrupt, Progress& progress) {
-  const ActiveArrays active = active_arrays(store);
-  if (!active.arrays.empty())
-    return {bad_input(fmt::format("job array {} of this folder is not over: wait for it, or end it with scancel {}",
-                                  active.arrays.front().job, active.arrays.front().job)),
-            false,
-            {}};
   // Nobody else writes here now.
   store.clear_work();
   const RunnerResult run = run_trials(pending, store, runner_settings(options), interrupt, progress);
@@ -145,6 +149,8 @@ EngineResult run_by_slurm(const SweepOptions& options, const SweepPlan& plan, st
 EngineResult run_pending(const SweepOptions& options, const SweepPlan& plan, const std::vector<sweep::Trial>& pending,
                          const sweep::TrialStore& store, const parallel::Interrupt& interrupt, Progress& progress) {
   if (options.no_run || pending.empty()) return {};
+  const Status ready = check_engine(options, store);
+  if (!ready) return {ready, false, {}};
   // What was there of trials that are run again must not be taken for what they come to now.
   for (const sweep::Trial& trial : pending) {
     if (store.outcome_of(trial).state != TrialState::Pending) store.forget(trial.key);

@@ -5,6 +5,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "scene/csv_text.h"
+
 namespace poise::io {
 namespace {
 
@@ -72,11 +74,11 @@ std::string comparison_csv(const ComparisonDocument& d) {
       "regret,gap_px,false_rate,"
       "work_units,step_ms\n";
   for (const ComparisonRow& row : d.result.rows) {
-    text += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", d.scene, row.policy, row.budget,
-                        d.budget_unit, d.result.frames, row.e_mps.mean, row.e_mps.low, row.e_mps.high, row.e_rel.mean,
-                        row.e_rel.low, row.e_rel.high, row.e_seen_mps.mean, row.e_seen_mps.low, row.e_seen_mps.high,
-                        optional_text(row.regret_mps), optional_text(row.gap_mean_px), optional_text(row.false_rate),
-                        row.work_units, row.time_ms);
+    text += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", csv_text(d.scene),
+                        csv_text(row.policy), row.budget, d.budget_unit, d.result.frames, row.e_mps.mean, row.e_mps.low,
+                        row.e_mps.high, row.e_rel.mean, row.e_rel.low, row.e_rel.high, row.e_seen_mps.mean,
+                        row.e_seen_mps.low, row.e_seen_mps.high, optional_text(row.regret_mps),
+                        optional_text(row.gap_mean_px), optional_text(row.false_rate), row.work_units, row.time_ms);
   }
   return text;
 }
