@@ -6,6 +6,7 @@
 
 #include "app/process/refusal.h"
 #include "scene/run/milliseconds.h"
+#include "scene/run/reference_turns.h"
 
 namespace poise::app {
 namespace {
@@ -57,15 +58,15 @@ class Drive {
   /// All steps, under the limit or without.
   Result<std::vector<simulation::RunFrame>> steps(const std::optional<OverloadUnit>& unit) {
     std::vector<simulation::RunFrame> frames;
+    simulation::ReferenceTurns references(unit ? settings_.reference_every : std::nullopt);
     for (const simulation::OverloadStep& held : settings_.steps) {
       const std::uint64_t from = driven_->population();
       FrameLimit limit =
           unit ? limit_of(*unit, settings_.population ? 1 : held.demand, settings_.wall_clock) : FrameLimit{};
-      limit.may_slice = !settings_.reference_every;
       for (std::uint64_t i = 0; i < settings_.hold; ++i) {
         Status done = change_population(from, population_at(settings_, held.demand), i);
-        const bool reference =
-            unit && settings_.reference_every && (frames.size() + 1) % *settings_.reference_every == 0;
+        const bool reference = references.due(frames.size() + 1, !driven_->world().step_unfinished());
+        limit.may_slice = !reference;
         if (done) done = step(limit, reference, frames);
         if (!done) return done.error();
       }

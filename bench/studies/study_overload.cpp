@@ -33,7 +33,7 @@ Status check(const StudyOverloadOptions& o) {
   const std::uint64_t hold = o.hold.value_or(o.drive == "population" ? kPopulationHold : kOverloadHold);
   if (o.reference_every && *o.reference_every > hold / 2)
     return bad_input(fmt::format(
-        "--reference-every {}: must be at most half of --hold {}, so that each step has a reference in its second half",
+        "--reference-every {}: must be at most half of --hold {}, so that one is due in the second half of each step",
         *o.reference_every, hold));
   return Done{};
 }

@@ -103,6 +103,21 @@ TEST(DrivenScene, RefusesASceneWhosePopulationChangesByItself) {
   EXPECT_EQ(driven.error().message, "s.json: has a stream, so its population changes by itself and cannot be driven");
 }
 
+TEST(OverloadDrive, HasAReferenceInEachNthFrameUnderTheLimitAlone) {
+  const Scene scene = jacks();
+  OverloadSettings settings = by_work(12);
+  settings.settle = 100;
+  settings.steps = simulation::overload_steps(0.5, 1);
+  settings.reference_every = 7;
+  const Result<OverloadDrive> drive = drive_overload(scene, one_thread(), settings, ignore, nullptr);
+  ASSERT_TRUE(drive) << drive.error().message;
+  ASSERT_EQ(drive.value().frames.size(), 120U);
+  for (std::size_t i = 0; i < 120; ++i) {
+    EXPECT_EQ(drive.value().frames[i].report.reference.has_value(), (i + 1) % 7 == 0) << i;
+    EXPECT_FALSE(drive.value().unlimited[i].report.reference);
+  }
+}
+
 TEST(OverloadDrive, OnTheWorkClockIsTheSameOnAnyNumberOfThreadsAndKeepsItsLimit) {
   const Scene scene = jacks();
   OverloadSettings settings = by_work(12);

@@ -92,7 +92,8 @@ TEST(StudyOverload, UnderADeadlineCountsLateFramesAndMeasuresTheErrorWhereAsked)
     const std::uint64_t late = row.at("infeasible").get<std::uint64_t>() + row.at("machine").get<std::uint64_t>() +
                                row.at("own").get<std::uint64_t>();
     EXPECT_LE(late, 10U);
-    EXPECT_TRUE(row.at("e_seen_mps").is_number());
+    EXPECT_TRUE(row.at("e_seen_mps").is_number() || row.at("e_seen_mps").is_null())
+        << "null where a step under way put the references off";
   }
   const std::string markdown = contents(folder.file("o.md"));
   EXPECT_NE(markdown.find("| driven | way | demand |"), std::string::npos);
@@ -131,9 +132,9 @@ TEST(StudyOverload, RefusesWhatHasNoMeaning) {
   expect_refused({"--hold", "9"}, 2, "--hold");
   expect_refused({"--settle", "0"}, 2, "--settle");
   expect_refused({"--shake", "-1"}, 2, "--shake");
-  expect_refused({"--hold", "20", "--reference-every", "11"}, 2,
-                 "--reference-every 11: must be at most half of --hold 20, so that each step has a reference in its "
-                 "second half");
+  expect_refused(
+      {"--hold", "20", "--reference-every", "11"}, 2,
+      "--reference-every 11: must be at most half of --hold 20, so that one is due in the second half of each step");
   expect_refused({"--json", "-", "--markdown", "-"}, 2, "only one of --json and --markdown");
   expect_refused({"--picture", "loop.gif"}, 2, "loop.gif");
   expect_refused({"--scene", "two-body"}, 3, "has no generators");

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "frame/budget/frame_time.h"
+#include "scene/run/reference_turns.h"
 #include "scene/run/release_grid.h"
 
 namespace poise::app {
@@ -62,6 +63,16 @@ class TracedPairs {
   std::vector<std::uint64_t> numbers_;  // by slot
 };
 
+/// Names the bodies that a report may name. `longest_job` is that of the measured frames so far.
+void name_bodies(const SceneRun& run, Nanoseconds& longest_job, simulation::RunFrame& frame) {
+  const FrameReport& report = frame.report;
+  const bool longest = !frame.warm_up && report.longest_job > longest_job;
+  if (longest) longest_job = report.longest_job;
+  if (longest || report.cause == MissCause::Overrun)
+    frame.longest_job_bodies = {number_of(run, report.longest_job_a), number_of(run, report.longest_job_b)};
+  if (report.out_of_range > 0) frame.out_of_range_body = number_of(run, report.out_of_range_body);
+}
+
 StepInput step_input(const LoopSettings& settings) {
   StepInput input;
   input.dt_s = settings.dt_s;
@@ -99,8 +110,8 @@ Result<LoopResult> run_loop(SceneRun& run, const LoopSettings& settings, const p
   Nanoseconds longest_job{0};
   TracedPairs traced;
   input.record = static_cast<bool>(record);
-  input.may_slice =
-      settings.wall_clock && !settings.reference_every && run.world().settings().islands_wait == IslandsWait::Any;
+  simulation::ReferenceTurns references(settings.reference_every);
+  const bool slices = settings.wall_clock && run.world().settings().islands_wait == IslandsWait::Any;
   const std::uint64_t total = settings.warm_up + settings.frames;
   result.frames.reserve(total);
   simulation::ReleaseGrid grid(SteadyClock::now(), settings.dt_s, settings.deadline);
@@ -119,8 +130,8 @@ Result<LoopResult> run_loop(SceneRun& run, const LoopSettings& settings, const p
     if (settings.paced) input.release = grid.release();
     simulation::RunFrame frame;
     frame.warm_up = i < settings.warm_up;
-    input.reference =
-        settings.reference_every && !frame.warm_up && (i - settings.warm_up + 1) % *settings.reference_every == 0;
+    input.reference = !frame.warm_up && references.due(i - settings.warm_up + 1, !run.world().step_unfinished());
+    input.may_slice = slices && !input.reference;
     input.measure_levels = i % kLookAtLevels == kLookAtLevels - 1;
     frame.report = run.world().step(input);
     if (frame.report.status != StepStatus::Done) return bad_input("the step was refused: its input is out of range");
@@ -134,13 +145,7 @@ Result<LoopResult> run_loop(SceneRun& run, const LoopSettings& settings, const p
       const MissCause before = result.frames.empty() ? MissCause::None : result.frames.back().report.cause;
       frame.report.cause = simulation::cause_of_release(before, waited);
     }
-    const bool longest = !frame.warm_up && frame.report.longest_job > longest_job;
-    if (longest) longest_job = frame.report.longest_job;
-    if (longest || frame.report.cause == MissCause::Overrun) {
-      frame.longest_job_bodies = {number_of(run, frame.report.longest_job_a),
-                                  number_of(run, frame.report.longest_job_b)};
-    }
-    if (frame.report.out_of_range > 0) frame.out_of_range_body = number_of(run, frame.report.out_of_range_body);
+    name_bodies(run, longest_job, frame);
     const SteadyClock::time_point recorded_from = SteadyClock::now();
     if (settings.trace != nullptr) traced.note(run, *settings.trace, result.traced_pairs);
     status = record ? record(frame.report) : Status(Done{});
@@ -160,7 +165,8 @@ Result<LoopResult> run_loop(SceneRun& run, const LoopSettings& settings, const p
       // Releases that pass after the last frame were never to be served.
       if (i + 1 == total) frame.releases_skipped = 0;
     }
-    result.energy_max_j = std::max(result.energy_max_j, frame.report.kinetic_j + frame.report.potential_j);
+    if (!frame.warm_up)
+      result.energy_max_j = std::max(result.energy_max_j, frame.report.kinetic_j + frame.report.potential_j);
     result.frames.push_back(frame);
     if (told) told(frame);
   }

@@ -32,8 +32,9 @@ struct LoopSettings {
   bool polygons = false;
   bool backtracking = false;
   Trace* trace = nullptr;  ///< where the steps leave what the threads did when
-  std::optional<std::uint64_t>
-      reference_every;             ///< >= 1: a reference of each measured frame whose number from 1 it divides
+  /// >= 1: a reference of each measured frame whose number from 1 it divides (simulation::ReferenceTurns). Such a frame
+  /// is not done in slices.
+  std::optional<std::uint64_t> reference_every;
   std::uint64_t states_every = 1;  ///< states are told of frames whose number this divides
 };
 

@@ -166,7 +166,8 @@ void add_run_options(CLI::App& command, RunOptions& options) {
                   "Exit with 1 unless this holds, e.g. 'miss_rate < 0.01 && frame_ms.p99 < 16.7'")
       ->type_name("EXPR");
   add_every(command, "--reference", options.reference_every, kMaxSceneFrames,
-            "every=K: compare each K-th measured frame with the same frame done at full depth and to convergence");
+            "every=K: compare each K-th measured frame with the same frame done at full depth and to convergence; "
+            "such a frame is not done in slices");
   add_time_options(command, options.time);
   add_tree_cache_options(command, options.tree_cache);
   add_max_memory(command, options.max_memory_mib);

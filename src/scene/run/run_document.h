@@ -57,7 +57,7 @@ struct RunDocument {
   };
   std::optional<Capture> capture;
   Conserved start, end;
-  double energy_max_j = 0;  ///< largest sum of kinetic and potential energy after any frame
+  double energy_max_j = 0;  ///< largest sum of kinetic and potential energy, at the start and after any measured frame
   std::uint64_t state_hash = 0;
   /// Mesh, tree and sphere-list shapes: from the origin of the shape to its centre of mass.
   std::vector<std::pair<std::string, Vec3>> origin_offsets_m;
