@@ -129,7 +129,7 @@ std::vector<io::StudyCell> row_of(double alpha, double population, std::uint64_t
           f.frames_a_step() ? io::StudyCell(*f.frames_a_step()) : io::StudyCell(),
           f.held_mean(),
           f.frame_ms.p99,
-          f.tail.reserve_over_actual,
+          f.tail.frames > 0 ? io::StudyCell(f.tail.reserve_over_actual) : io::StudyCell(),
           f.tail.beyond_clip,
           compliance == Compliance::Complies,
           std::string(name_of(compliance))};

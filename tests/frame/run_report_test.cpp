@@ -189,10 +189,27 @@ TEST(RunFigures, SaysHowOftenTheReserveHeld) {
   const TailFigures tail = run_figures(frames, {true}).tail;
   EXPECT_EQ(tail.frames, 4U);
   EXPECT_EQ(tail.coverage, 0.75);
-  EXPECT_DOUBLE_EQ(tail.reserve_over_actual, (3 * 2 + 0.5) / 4);
+  EXPECT_DOUBLE_EQ(tail.reserve_over_actual, 8.0 / 7) << "of all frames together";
   EXPECT_DOUBLE_EQ(tail.reserve_used, (3 * 1.0 + 2) / 8);
   EXPECT_EQ(tail.actual_over_forecast.max, 4);
   EXPECT_EQ(tail.margin_last, 2);
+}
+
+TEST(RunFigures, IterationsBeyondOneASubstepAreNotWhatTheReserveIsFor) {
+  std::vector<RunFrame> frames(3);
+  for (RunFrame& frame : frames) {
+    frame.report.tail_forecast = microseconds(1000);
+    frame.report.reserve_at_cut = microseconds(1500);
+    frame.report.tail_actual = microseconds(4000);
+    frame.report.tail_optional = microseconds(3000);
+  }
+  frames[2].report.tail_optional = frames[2].report.tail_actual;  // nothing that is known of what had to be done
+  const TailFigures tail = run_figures(frames, {true}).tail;
+  EXPECT_EQ(tail.frames, 2U);
+  EXPECT_EQ(tail.coverage, 1);
+  EXPECT_DOUBLE_EQ(tail.reserve_over_actual, 1.5);
+  EXPECT_EQ(tail.actual_over_forecast.max, 1);
+  EXPECT_EQ(tail.reserve_used, 1);
 }
 
 TEST(RunFigures, AveragesLevelsOverContactPairsAndAddsUpFullCapacities) {

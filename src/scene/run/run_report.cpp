@@ -87,17 +87,17 @@ MissFigures miss_figures(std::span<const RunFrame> frames) {
 TailFigures tail_figures(std::span<const RunFrame> frames, double alpha) {
   TailFigures tail;
   double covered = 0;
-  double ratio = 0;
+  double needed_ms = 0;
   double used_ms = 0;
   double reserved_ms = 0;
   double loss_ms = 0;
   std::vector<double> against_forecast;
   for (const RunFrame& frame : frames) {
     const FrameReport& report = frame.report;
-    if (report.tail_forecast.count() <= 0 || report.tail_actual.count() <= 0) continue;
+    if (report.tail_forecast.count() <= 0 || report.tail_needed().count() <= 0) continue;
     ++tail.frames;
     if (report.tail_needed() <= report.reserve_at_cut) covered += 1;
-    ratio += ms(report.reserve_at_cut) / ms(report.tail_actual);
+    needed_ms += ms(report.tail_needed());
     used_ms += ms(std::min(report.tail_actual, report.reserve_at_cut));
     reserved_ms += ms(report.reserve_at_cut);
     const double short_by_ms = ms(report.tail_needed() - report.reserve_at_cut);
@@ -109,7 +109,7 @@ TailFigures tail_figures(std::span<const RunFrame> frames, double alpha) {
   if (tail.frames > 0) {
     tail.coverage = covered / static_cast<double>(tail.frames);
     tail.pinball_loss_ms = loss_ms / static_cast<double>(tail.frames);
-    tail.reserve_over_actual = ratio / static_cast<double>(tail.frames);
+    tail.reserve_over_actual = reserved_ms / needed_ms;
   }
   if (reserved_ms > 0) tail.reserve_used = used_ms / reserved_ms;
   tail.actual_over_forecast = percentiles(std::move(against_forecast));

@@ -62,12 +62,13 @@ struct MissFigures {
   double share_of_time_late = 0;  ///< sum of lateness / sum of frame times
 };
 
-/// Quality of the reserve for the tail, over frames that had a forecast.
+/// Quality of the reserve for the tail, over frames that had a forecast. But for reserve_used the tail is what had to
+/// be done (FrameReport::tail_needed).
 struct TailFigures {
   std::uint64_t frames = 0;
   double coverage = 0;               ///< share of frames whose tail took no longer than its reserve
-  double reserve_over_actual = 0;    ///< mean
-  double reserve_used = 0;           ///< sum of min(tail, reserve) / sum of reserves
+  double reserve_over_actual = 0;    ///< sum of the reserves / sum of the tails
+  double reserve_used = 0;           ///< sum of min(whole tail, reserve) / sum of reserves
   Percentiles actual_over_forecast;  ///< for the point forecast, without margin
   /// Mean pinball loss of the reserve as a forecast of the (1 - alpha) quantile of the tail (Koenker and Bassett,
   /// "Regression quantiles", Econometrica 1978): (1 - alpha) times the missing time, or alpha times the excess time.
