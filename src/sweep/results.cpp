@@ -33,7 +33,7 @@ void flatten(const JsonValue& value, const std::string& path, std::vector<io::Na
       if (keys[i].size() <= kLongestFigureName) flatten(value.items()[i], part_of(path, keys[i]), out);
   } else if (value.is_array()) {
     for (std::size_t i = 0; i < value.items().size() && out.size() <= kMostFigures; ++i)
-      if (!value.items()[i].is_object()) flatten(value.items()[i], part_of(path, std::to_string(i)), out);
+      flatten(value.items()[i], part_of(path, std::to_string(i)), out);
   }
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "app/command.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -259,9 +260,29 @@ TEST(Command, ChecksTheFiguresOfARun) {
   EXPECT_EQ(failed.exit_code, 1);
   EXPECT_EQ(failed.error, "poise run: --require: frames > 7 does not hold: frames = 5\n");
   EXPECT_EQ(require("miss_rate < 1").exit_code, 1) << "misses are not defined on the work clock";
+  for (const char* name : {"misses.tardiness_ms.p99", "misses.interval_95.low", "misses.longest_run",
+                           "longest_job.frame", "worst_frames.0.late_ms", "worst_frames.4.piece.body_a",
+                           "out_of_range.first_frame", "capture.left_out", "reference.e_rel_p50", "tail.coverage"}) {
+    const CommandResult undefined = require(fmt::format("{} < 1", name));
+    EXPECT_EQ(undefined.exit_code, 1);
+    EXPECT_EQ(undefined.error,
+              fmt::format("poise run: --require: {0} < 1 does not hold: {0} is not defined for this run\n", name));
+  }
+  EXPECT_EQ(require("worst_frames.5.late_ms < 1").exit_code, 2) << "there are five";
+  EXPECT_EQ(require("misses.such < 1").exit_code, 2);
   const CommandResult wall = poise_command({"run", "two-body", "--frames", "5", "--deadline", "1000000", "--quiet",
                                             "--require", "miss_rate<0.01 && frame_ms.p99<1e6"});
   EXPECT_EQ(wall.exit_code, 0) << wall.error;
+  const TemporaryFolder folder;
+  const auto captured = [&](const std::string& expression) {
+    return poise_command({"run", "two-body", "--frames", "5", "--clock", "work", "--quiet", "--capture",
+                          folder.file("c"), "--json", folder.file("r.json"), "--require", expression});
+  };
+  EXPECT_EQ(captured("capture.frames == 6 && capture.left_out == 0").exit_code, 0) << "the start is a frame too";
+  const CommandResult few = captured("capture.frames > 9");
+  EXPECT_EQ(few.exit_code, 1);
+  EXPECT_EQ(few.error, "poise run: --require: capture.frames > 9 does not hold: capture.frames = 6\n");
+  EXPECT_EQ(json::parse(contents(folder.file("r.json"))).at("require").at("failed").size(), 1U);
 }
 
 TEST(Command, WarnsOfAnOpenMeshOnceAndInTheReport) {

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -188,7 +189,51 @@ TEST(RunDocument, NamesItsNumbersByDottedPaths) {
 TEST(RunDocument, LeavesMissesUndefinedOnTheWorkClock) {
   RunDocument document = sample();
   document.figures = simulation::run_figures({}, {false});
-  EXPECT_TRUE(nlohmann::json::parse(run_json(document)).at("misses").at("count").is_null());
+  const nlohmann::json work = nlohmann::json::parse(run_json(document));
+  const nlohmann::json wall = nlohmann::json::parse(run_json(sample()));
+  const std::function<void(const nlohmann::json&, const nlohmann::json&)> null_for_each =
+      [&](const nlohmann::json& none, const nlohmann::json& defined) {
+        if (!defined.is_object()) {
+          EXPECT_TRUE(none.is_null()) << none;
+          return;
+        }
+        ASSERT_EQ(none.size(), defined.size());
+        for (const auto& [name, value] : defined.items()) {
+          ASSERT_TRUE(none.contains(name)) << name;
+          null_for_each(none.at(name), value);
+        }
+      };
+  null_for_each(work.at("misses"), wall.at("misses"));
+  EXPECT_EQ(work.at("longest_job"), nlohmann::json({{"frame", nullptr}, {"body_a", nullptr}, {"body_b", nullptr}}));
+}
+
+TEST(RunDocument, NamesWhatARunMayHaveBeforeItHasIt) {
+  const auto names_of = [](const RunDocument& document) {
+    std::vector<std::string> names;
+    for (const NamedFigure& figure : named_figures(document)) names.push_back(figure.name);
+    std::ranges::sort(names);
+    return names;
+  };
+  RunDocument before;
+  before.figures = simulation::run_figures({}, {false});
+  const std::vector<std::string> known = names_of(before);
+  EXPECT_EQ(std::ranges::adjacent_find(known), known.end()) << "each once";
+  RunDocument after;
+  simulation::RunFrame late;
+  late.report.lateness = Nanoseconds(5);
+  late.report.cause = MissCause::Overrun;
+  late.report.longest_job = Nanoseconds(7);
+  late.report.out_of_range = 1;
+  after.figures = simulation::run_figures(std::vector<simulation::RunFrame>(9, late), {true});
+  after.capture = RunDocument::Capture{"a.capture", 9, 0, 100};
+  for (const std::string& name : names_of(after)) EXPECT_TRUE(std::ranges::binary_search(known, name)) << name;
+  for (const char* name :
+       {"worst_frames.4.piece.ms", "worst_frames.0.late_ms", "capture.frames", "out_of_range.first_body",
+        "longest_job.body_b", "misses.tardiness_ms.p99", "misses.interval_95.high"}) {
+    EXPECT_TRUE(std::ranges::binary_search(known, name)) << name;
+    const std::vector<NamedFigure> figures = named_figures(after);
+    EXPECT_TRUE(std::ranges::find(figures, name, &NamedFigure::name)->value) << name;
+  }
 }
 
 TEST(RunDocument, GivesTheReferencesOfARunAndNullsWithoutOne) {

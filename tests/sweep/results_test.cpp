@@ -155,13 +155,13 @@ TEST(Results, HaveARowForEachTrialAndAColumnForEachSettingAndFigure) {
   EXPECT_EQ(rows[0],
             "trial,scene,frames,clock,policy,bodies,budget_work,repeat,state,exit_code,seconds,host,engine,cores,"
             "requirements_hold,state_hash,processor,commit,run.bodies,frame_ms.p99,misses.rate,misses.interval_95.0,"
-            "misses.interval_95.1,sleep.woken,run.miss_rate");
+            "misses.interval_95.1,worst_frames.0.frame,sleep.woken,run.miss_rate");
   EXPECT_EQ(rows[1], sweep.trials[0].key +
                          ",a,10,work,fifo,10,100,1,done,0,1.5,here,local,1,1,00ff,\"quick, \"\"new\"\"\",,12,2.5,0.05,"
-                         "0,0.5,,0.05");
+                         "0,0.5,3,,0.05");
   EXPECT_NE(rows[2].find(",200,1,done,0,1.5,here,local,1,0,"), std::string::npos) << rows[2];
-  EXPECT_EQ(rows[3], sweep.trials[2].key + ",a,10,work,fifo,20,100,1,failed,3,0,,,1,,,,,,,,,,,");
-  EXPECT_EQ(rows[4], sweep.trials[3].key + ",a,10,work,fifo,20,200,1,pending,,,,,1,,,,,,,,,,,");
+  EXPECT_EQ(rows[3], sweep.trials[2].key + ",a,10,work,fifo,20,100,1,failed,3,0,,,1,,,,,,,,,,,,");
+  EXPECT_EQ(rows[4], sweep.trials[3].key + ",a,10,work,fifo,20,200,1,pending,,,,,1,,,,,,,,,,,,");
 }
 
 TEST(Results, AreTheSameInTheDatabase) {

@@ -190,9 +190,8 @@ int run_prepared(const RunOptions& options, const io::Requirement& requirement, 
   const scheduler::TimePriors learned = run.world().time_priors();
   if (learned.frames >= kFramesToKeep) io::write_time_priors(priors_folder, priors_key, learned);
   add_results(run, loop, result.value(), document);
-  document.requirements_failed = io::failed_comparisons(requirement, io::named_figures(document));
-  const Status written =
-      write_results({options, scene, run, loop, result.value(), trace ? &*trace : nullptr}, document, outputs);
+  const Status written = write_results(
+      {options, requirement, scene, run, loop, result.value(), trace ? &*trace : nullptr}, document, outputs);
   for (const std::string& failed : document.requirements_failed) print_error("poise run: --require: {}\n", failed);
   if (!written) return refuse("run", written.error());
   if (document.stopped) return exit_stopped();

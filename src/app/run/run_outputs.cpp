@@ -128,6 +128,7 @@ Status write_results(const EndedRun& ended, io::RunDocument& document, RunOutput
   const Status captured = outputs.capture.finish(ended.result.stopped);
   add_failure(captured, all);
   if (captured) document.capture = outputs.capture.facts();
+  document.requirements_failed = io::failed_comparisons(ended.requirement, io::named_figures(document));
   // The figures first: all that follows takes longer, and says less.
   add_failure(write_json(ended.options, document, outputs.json), all);
   add_failure(outputs.states.finish(), all);

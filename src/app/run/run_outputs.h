@@ -14,6 +14,7 @@
 #include "app/run/states_writer.h"
 #include "poise/scene/scene.h"
 #include "scene/result_file.h"
+#include "scene/run/requirement.h"
 #include "scene/run/run_document.h"
 
 namespace poise::app {
@@ -44,6 +45,7 @@ RunSinks sinks_of(const Scene& scene, const SceneRun& run, const LoopSettings& l
 /// A run that has ended.
 struct EndedRun {
   const RunOptions& options;
+  const io::Requirement& requirement;
   const Scene& scene;
   SceneRun& run;
   const LoopSettings& loop;
@@ -52,7 +54,8 @@ struct EndedRun {
 };
 
 /// Closes what was written during the run, then writes the JSON, then all that is made of it, and the table. `document`
-/// gets what its capture came to. Refused: all that could not be written, in one message; the rest is written.
+/// gets what its capture came to, and which requirements do not hold. Refused: all that could not be written, in one
+/// message; the rest is written.
 Status write_results(const EndedRun& ended, io::RunDocument& document, RunOutputs& outputs);
 
 }  // namespace poise::app

@@ -3,7 +3,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
+#include <string_view>
 
 #include "scene/islands_wait_name.h"
 #include "scene/run/milliseconds.h"
@@ -22,28 +24,44 @@ Json of(const simulation::Percentiles& p) {
           {"p99_9", p.p99_9}, {"max", p.max}, {"mean", p.mean}};
 }
 
+/// The same members, each null.
+Json undefined(const Json& defined) {
+  if (!defined.is_object()) return nullptr;
+  Json members = Json::object();
+  for (const auto& [name, value] : defined.items()) members[name] = undefined(value);
+  return members;
+}
+
 Json misses_json(const simulation::RunFigures& figures) {
-  if (!figures.misses) {
-    Json undefined = Json::object();
-    for (const char* name : {"count", "rate", "release", "infeasible", "machine", "overrun", "forecast"})
-      undefined[name] = nullptr;
-    return undefined;
-  }
-  const simulation::MissFigures& m = *figures.misses;
-  return {{"count", m.count},
-          {"rate", m.rate},
-          {"release", m.release},
-          {"infeasible", m.infeasible},
-          {"machine", m.machine},
-          {"overrun", m.overrun},
-          {"forecast", m.forecast},
-          {"releases", m.releases},
-          {"skipped_releases", m.skipped_releases},
-          {"interval_95", {{"low", m.interval_95.low}, {"high", m.interval_95.high}}},
-          {"longest_run", m.longest_run},
-          {"worst_1000", m.worst_1000},
-          {"tardiness_ms", of(m.tardiness_ms)},
-          {"share_of_time_late", m.share_of_time_late}};
+  const simulation::MissFigures m = figures.misses.value_or(simulation::MissFigures{});
+  const Json misses = {{"count", m.count},
+                       {"rate", m.rate},
+                       {"release", m.release},
+                       {"infeasible", m.infeasible},
+                       {"machine", m.machine},
+                       {"overrun", m.overrun},
+                       {"forecast", m.forecast},
+                       {"releases", m.releases},
+                       {"skipped_releases", m.skipped_releases},
+                       {"interval_95", {{"low", m.interval_95.low}, {"high", m.interval_95.high}}},
+                       {"longest_run", m.longest_run},
+                       {"worst_1000", m.worst_1000},
+                       {"tardiness_ms", of(m.tardiness_ms)},
+                       {"share_of_time_late", m.share_of_time_late}};
+  return figures.misses ? misses : undefined(misses);
+}
+
+Json longest_job_json(const std::optional<simulation::LongestJob>& longest) {
+  const simulation::LongestJob job = longest.value_or(simulation::LongestJob{});
+  const Json members = {{"frame", job.frame}, {"body_a", job.body_a}, {"body_b", job.body_b}};
+  return longest ? members : undefined(members);
+}
+
+Json out_of_range_json(const simulation::OutOfRangeFigures& out) {
+  const bool any = out.bodies > 0;
+  return {{"bodies", out.bodies},
+          {"first_frame", any ? Json(out.first_frame) : Json(nullptr)},
+          {"first_body", any ? Json(out.first_body) : Json(nullptr)}};
 }
 
 Json worst_json(const std::vector<simulation::WorstFrame>& frames) {
@@ -212,11 +230,7 @@ void add_figures(const RunDocument& d, Json& json) {
                       {"fronts_full", f.capacity.fronts_full},
                       {"colors_full", f.capacity.colors_full},
                       {"degenerate", f.capacity.degenerate}};
-  json["out_of_range"] = {{"bodies", f.out_of_range.bodies}};
-  if (f.out_of_range.bodies > 0) {
-    json["out_of_range"]["first_frame"] = f.out_of_range.first_frame;
-    json["out_of_range"]["first_body"] = f.out_of_range.first_body;
-  }
+  json["out_of_range"] = out_of_range_json(f.out_of_range);
   json["swept"] = {{"pairs", f.swept.pairs}, {"hits", f.swept.hits}, {"cut", f.swept.cut}};
   json["sleep"] = {{"asleep_end", f.sleep.asleep_end},
                    {"asleep_mean", f.sleep.asleep_mean},
@@ -227,10 +241,7 @@ void add_figures(const RunDocument& d, Json& json) {
   json["release_delay_ms"] = of(f.release_delay_ms);
   json["off_cpu_ms_max"] = f.off_cpu_ms_max;
   json["longest_job_ms_max"] = f.longest_job_ms_max;
-  if (f.longest_job) {
-    json["longest_job"] = {
-        {"frame", f.longest_job->frame}, {"body_a", f.longest_job->body_a}, {"body_b", f.longest_job->body_b}};
-  }
+  json["longest_job"] = longest_job_json(f.longest_job);
 }
 
 Json document_json(const RunDocument& d) {
@@ -286,6 +297,17 @@ void flatten(const Json& json, const std::string& path, std::vector<NamedFigure>
   }
 }
 
+/// Figures of members that a run has only with late frames or with a capture.
+std::vector<std::string> names_of_some_runs() {
+  std::vector<std::string> names = {"capture.frames", "capture.left_out", "capture.bytes"};
+  for (std::size_t i = 0; i < simulation::kWorstFrames; ++i) {
+    for (const char* member :
+         {"frame", "late_ms", "release_delay_ms", "stage_ms", "piece.ms", "piece.body_a", "piece.body_b"})
+      names.push_back(fmt::format("worst_frames.{}.{}", i, member));
+  }
+  return names;
+}
+
 }  // namespace
 
 std::string run_json(const RunDocument& document) {
@@ -295,12 +317,13 @@ std::string run_json(const RunDocument& document) {
 std::vector<NamedFigure> named_figures(const RunDocument& document) {
   std::vector<NamedFigure> figures;
   flatten(document_json(document), "", figures);
-  for (const NamedFigure& figure : figures) {
-    if (figure.name == "misses.rate") {
-      const std::optional<double> rate = figure.value;
-      figures.push_back({"miss_rate", rate});
-      break;
-    }
+  const auto named = [&](std::string_view name) { return std::ranges::find(figures, name, &NamedFigure::name); };
+  for (const std::string& name : names_of_some_runs()) {
+    if (named(name) == figures.end()) figures.push_back({name, std::nullopt});
+  }
+  if (const auto rate = named("misses.rate"); rate != figures.end()) {
+    const std::optional<double> value = rate->value;
+    figures.push_back({"miss_rate", value});
   }
   return figures;
 }

@@ -76,7 +76,9 @@ struct NamedFigure {
 /// The document as `poise.run/2` JSON, numbers with full precision, ending in a newline.
 std::string run_json(const RunDocument& document);
 
-/// Every number (and undefined number) of the document in its order, plus `miss_rate` for `misses.rate`.
+/// Every number (and undefined number) of the document in its order, then the names that it has only with late frames
+/// or a capture, undefined where it has none, and `miss_rate` for `misses.rate`. So the names of a run are known before
+/// it.
 std::vector<NamedFigure> named_figures(const RunDocument& document);
 
 }  // namespace poise::io
