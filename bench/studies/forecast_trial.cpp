@@ -9,6 +9,9 @@ namespace poise::simulation {
 namespace {
 
 constexpr std::size_t kWindow = 200;
+// Largest share of the tail's time that may be missing in an undisturbed frame, because of the resolution of the
+// clocks. Chosen.
+constexpr double kDisturbed = 0.03;
 
 double ns_of(Nanoseconds time) { return static_cast<double>(time.count()); }
 
@@ -76,6 +79,17 @@ Method tracked(const std::string& name, Tracker& tracker) {
 }
 
 }  // namespace
+
+std::vector<RecordedTail> recorded_tails(std::span<const RunFrame> frames, bool undisturbed) {
+  std::vector<RecordedTail> tails;
+  for (const RunFrame& frame : frames) {
+    const FrameReport& r = frame.report;
+    if (frame.warm_up || r.tail_needed().count() <= 0) continue;
+    if (undisturbed && ns_of(r.off_cpu) > kDisturbed * ns_of(r.tail_actual)) continue;
+    tails.push_back({r.tail_work, r.contact_pairs, r.tail_needed()});
+  }
+  return tails;
+}
 
 std::vector<ForecastScore> try_forecasts(std::span<const RecordedTail> tails, double alpha, std::size_t skip) {
   std::vector<ForecastScore> scores;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "poise/step.h"
+#include "scene/run/run_report.h"
 
 namespace poise::simulation {
 
@@ -16,6 +17,10 @@ struct RecordedTail {
   std::uint64_t contacts = 0;        ///< number that was solved in the end
   Nanoseconds actual{0};             ///< > 0; of what it had to do
 };
+
+/// The tails of the measured frames of a run in which there was something to do. `undisturbed`: without those of frames
+/// from which the system took more than 3 % of the tail's time.
+std::vector<RecordedTail> recorded_tails(std::span<const RunFrame> frames, bool undisturbed);
 
 /// Quality of one method of computing a reserve.
 struct ForecastScore {

@@ -17,17 +17,31 @@ double mean_of(std::span<const RunFrame> frames, double FrameReport::*member) {
   return frames.empty() ? 0 : sum / static_cast<double>(frames.size());
 }
 
-std::optional<double> mean_level(std::span<const RunFrame> frames) {
+// Over the contacts of spheres; those of polygons count as `polygons`, if that is given.
+std::optional<double> mean_level(std::span<const RunFrame> frames, std::optional<std::size_t> polygons = {}) {
   double levels = 0;
   double contacts = 0;
+  const auto add = [&](std::size_t level, std::uint64_t count) {
+    levels += static_cast<double>(level * count);
+    contacts += static_cast<double>(count);
+  };
   for (const RunFrame& frame : frames) {
     const auto& histogram = frame.report.level_histogram;
-    for (std::size_t level = 0; level < kPolygonBin; ++level) {
-      levels += static_cast<double>(level * histogram[level]);
-      contacts += static_cast<double>(histogram[level]);
-    }
+    for (std::size_t level = 0; level < kPolygonBin; ++level) add(level, histogram[level]);
+    if (polygons) add(*polygons, histogram[kPolygonBin]);
   }
   return contacts > 0 ? std::optional(levels / contacts) : std::nullopt;
+}
+
+// The deepest level of spheres of any contact; 0 without one.
+std::size_t deepest_level(std::span<const RunFrame> frames) {
+  std::size_t deepest = 0;
+  for (const RunFrame& frame : frames) {
+    for (std::size_t level = deepest + 1; level < kPolygonBin; ++level) {
+      if (frame.report.level_histogram[level] > 0) deepest = level;
+    }
+  }
+  return deepest;
 }
 
 double late_share(const OverloadRow& row) {
@@ -117,14 +131,18 @@ std::vector<OverloadLoop> overload_loops(std::span<const OverloadRow> rows) {
   return loops;
 }
 
-std::optional<std::uint64_t> recovery_frames(std::span<const RunFrame> frames, std::span<const RunFrame> unlimited) {
+Recovery recovery(std::span<const RunFrame> frames, std::span<const RunFrame> unlimited) {
+  Recovery found;
+  const std::size_t polygons = std::max(deepest_level(frames), deepest_level(unlimited)) + 1;
   const std::size_t both = std::min(frames.size(), unlimited.size());
-  for (std::size_t first = 0; first + kBackFrames <= both; ++first) {
-    const std::optional<double> level = mean_level(frames.subspan(first, kBackFrames));
-    const std::optional<double> full = mean_level(unlimited.subspan(first, kBackFrames));
-    if (!full || (level && *level >= *full - kLevelBack)) return first;
+  for (std::size_t first = 0; first + kBackFrames <= both && !found.frames; ++first) {
+    const std::optional<double> full = mean_level(unlimited.subspan(first, kBackFrames), polygons);
+    if (!full) continue;
+    found.defined = true;
+    const std::optional<double> level = mean_level(frames.subspan(first, kBackFrames), polygons);
+    if (level && *level >= *full - kLevelBack) found.frames = first;
   }
-  return std::nullopt;
+  return found;
 }
 
 }  // namespace poise::simulation

@@ -27,7 +27,7 @@ struct OverloadRow {
   bool up = true;
   double demand = 0;
   std::uint64_t bodies = 0;          ///< dynamic ones, after the last frame
-  std::optional<double> level_mean;  ///< over all contact pairs; empty where there is none
+  std::optional<double> level_mean;  ///< over all contact pairs but those by polygons; empty where there is none
   double left_share = 0;             ///< of the pairs whose coarsest spheres overlap: still to be refined
   std::uint64_t frames = 0;          ///< of the whole step
   std::uint64_t infeasible = 0, machine = 0, own = 0;  ///< late frames by cause; own: overrun and forecast
@@ -56,9 +56,15 @@ std::vector<OverloadLoop> overload_loops(std::span<const OverloadRow> rows);
 /// Most by which levels that are back may be below those without a limit. Chosen.
 inline constexpr double kLevelBack = 0.02;
 
-/// Number of frames that ten frames in a row began after the first given one, the first ten whose mean level is at
-/// most kLevelBack below that of the same frames without a limit; empty if there are none. Ten that have no contacts
-/// without a limit either count as back.
-std::optional<std::uint64_t> recovery_frames(std::span<const RunFrame> frames, std::span<const RunFrame> unlimited);
+/// Whether levels came back after overload.
+struct Recovery {
+  bool defined = false;  ///< ten frames in a row without a limit have a contact, so there are levels to come back to
+  std::optional<std::uint64_t> frames;  ///< before the first ten whose levels are back; empty: none are
+};
+
+/// The first ten frames in a row whose mean level is at most kLevelBack below that of the same frames without a limit.
+/// Polygons count as one level more than the deepest level of spheres in any of the frames. Ten frames that have no
+/// contact without a limit say nothing.
+Recovery recovery(std::span<const RunFrame> frames, std::span<const RunFrame> unlimited);
 
 }  // namespace poise::simulation

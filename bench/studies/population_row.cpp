@@ -43,7 +43,7 @@ std::vector<io::StudyCell> population_row(const StudyRun& run, const StudyRunCos
   for (const simulation::RunFrame& frame : all) {
     most_pairs = std::max(most_pairs, static_cast<double>(frame.report.candidate_pairs));
     const auto& reference = frame.report.reference;
-    if (reference && reference->e_seen_mps && reference->change_mps.value_or(0) > 0)
+    if (reference && reference->converged && reference->e_seen_mps && reference->change_mps.value_or(0) > 0)
       e_seen_rel.push_back(*reference->e_seen_mps / *reference->change_mps);
   }
   const auto cell = [](bool defined, auto value) { return defined ? io::StudyCell(value) : io::StudyCell(); };

@@ -21,22 +21,6 @@ constexpr std::uint64_t kForecastWarmUp = 0;
 // forecasts.
 constexpr std::size_t kSkip = 200;
 
-// Largest share of the tail's time that may be missing in an undisturbed frame, because of the resolution of the
-// clocks. Chosen.
-constexpr double kDisturbed = 0.03;
-
-std::vector<simulation::RecordedTail> tails_of(const std::vector<simulation::RunFrame>& frames, bool undisturbed) {
-  std::vector<simulation::RecordedTail> tails;
-  for (const simulation::RunFrame& frame : frames) {
-    const FrameReport& r = frame.report;
-    if (undisturbed && static_cast<double>(r.off_cpu.count()) > kDisturbed * static_cast<double>(r.tail_actual.count()))
-      continue;
-    if (r.tail_needed().count() <= 0) continue;
-    tails.push_back({r.tail_work, r.contact_pairs, r.tail_needed()});
-  }
-  return tails;
-}
-
 // Where frames that are never too long stand on the logarithmic axis, in %.
 constexpr double kNever = 0.01;
 
@@ -118,7 +102,7 @@ int study_forecast(const StudyForecastOptions& o) {
       progress.end();
       return refuse("study forecast", frames.error());
     }
-    const std::vector<simulation::RecordedTail> tails = tails_of(frames.value(), o.undisturbed);
+    const std::vector<simulation::RecordedTail> tails = simulation::recorded_tails(frames.value(), o.undisturbed);
     for (const double alpha : alphas) {
       for (const simulation::ForecastScore& score :
            simulation::try_forecasts(tails, alpha, std::min(kSkip, tails.size() / 2))) {

@@ -92,26 +92,35 @@ class OrderState {
 
 // Counts of frames of one run, as they go into a row.
 struct Sums {
-  std::uint64_t frames = 0, ranked_frames = 0, candidates = 0, ranked = 0, done = 0, full = 0, misplaced = 0, jobs = 0;
-  double worst = 0, refine_ms = 0, ranking_ms = 0;
+  // Times are of all frames but `ranked_ms`, ranking where a pair was ranked.
+  std::uint64_t frames = 0, left_out = 0, ranked_frames = 0, candidates = 0, ranked = 0, done = 0, full = 0,
+                misplaced = 0, jobs = 0;
+  double worst = 0, refine_ms = 0, ranking_ms = 0, ranked_ms = 0;
 };
 
 Sums sums_of(const std::vector<OrderFrame>& frames) {
   Sums sums;
   for (const OrderFrame& frame : frames) {
     const OrderFigures& f = frame.figures;
+    // What is left out because the frame would be late has no turn.
+    if (frame.report.degraded.pairs_reused > 0) {
+      ++sums.left_out;
+      continue;
+    }
     ++sums.frames;
     sums.candidates += frame.report.candidate_pairs;
     sums.done += f.done;
     sums.full += f.full;
     sums.misplaced += f.misplaced;
     if (f.done > 0) sums.worst = std::max(sums.worst, static_cast<double>(f.misplaced) / static_cast<double>(f.done));
-    if (frame.report.pairs_ranked == 0) continue;
-    ++sums.ranked_frames;
-    sums.ranked += frame.report.pairs_ranked;
     sums.jobs += frame.report.jobs_done;
     sums.refine_ms += ms(frame.report.times.refine);
     sums.ranking_ms += ms(frame.report.ranking);
+    // Where pairs go in the order of memory, none is ranked.
+    if (frame.report.pairs_ranked == 0) continue;
+    ++sums.ranked_frames;
+    sums.ranked += frame.report.pairs_ranked;
+    sums.ranked_ms += ms(frame.report.ranking);
   }
   return sums;
 }
@@ -125,20 +134,21 @@ std::vector<io::StudyCell> row_of(std::uint64_t bodies, const OrderRun& how, con
   const double n = static_cast<double>(std::max<std::uint64_t>(s.frames, 1));
   const double ranked_n = static_cast<double>(std::max<std::uint64_t>(s.ranked_frames, 1));
   // A score after a level reads what ranking has found, so it takes less than ranking a pair does.
-  const double score_ms = s.ranked > 0 ? s.ranking_ms / static_cast<double>(s.ranked) : 0;
+  const double score_ms = s.ranked > 0 ? s.ranked_ms / static_cast<double>(s.ranked) : 0;
   const bool wall = how.deadline.has_value();
   return {bodies,
           wall ? io::StudyCell(ms(*how.deadline)) : io::StudyCell(),
           how.share ? io::StudyCell(100 * *how.share) : io::StudyCell(),
           s.frames,
+          s.left_out,
           static_cast<double>(s.candidates) / n,
           percent(static_cast<double>(s.done), static_cast<double>(s.full)),
           percent(static_cast<double>(s.misplaced), static_cast<double>(s.done)),
           100 * s.worst,
           wall ? io::StudyCell(s.ranked_frames) : io::StudyCell(),
           wall ? io::StudyCell(static_cast<double>(s.ranked) / ranked_n) : io::StudyCell(),
-          percent(s.ranking_ms, s.refine_ms),
-          percent(static_cast<double>(s.jobs) * score_ms, s.refine_ms),
+          wall ? percent(s.ranking_ms, s.refine_ms) : io::StudyCell(),
+          s.ranked > 0 ? percent(static_cast<double>(s.jobs) * score_ms, s.refine_ms) : io::StudyCell(),
           s.ranked > 0 ? io::StudyCell(1e6 * score_ms) : io::StudyCell()};
 }
 
@@ -146,6 +156,7 @@ const std::vector<io::StudyColumn> kOrderColumns = {{"bodies", "bodies", 0},
                                                     {"deadline_ms", "deadline ms", 1},
                                                     {"budget_percent", "budget %", 1},
                                                     {"frames", "frames", 0},
+                                                    {"frames_left_out", "frames left out", 0},
                                                     {"candidate_pairs", "candidate pairs", 0},
                                                     {"work_percent", "of all work %", 1},
                                                     {"misplaced_percent", "misplaced %", 2},
@@ -252,8 +263,7 @@ Result<std::vector<OrderFrame>> order_frames(const Scene& scene, SceneRun& run, 
     if (k >= how.warm_up && (k - how.warm_up) % how.every == 0) {
       const Result<OrderFrame> frame = state.look(how);
       if (!frame) return frame.error();
-      // What is left out because the frame would be late has no turn.
-      if (frame.value().report.degraded.pairs_reused == 0) frames.push_back(frame.value());
+      frames.push_back(frame.value());
     } else {
       const Result<FrameReport> frame = state.go(how, nullptr);
       if (!frame) return frame.error();
@@ -293,7 +303,8 @@ void add_study_order_options(CLI::App& command, StudyOrderOptions& o) {
       "Ranking is the share of the time of refinement that goes into cues and scores before the first job; scores "
       "after "
       "levels are\n"
-      "bounded by what ranking takes a pair.");
+      "bounded by what ranking takes a pair. Frames in which pairs used contacts of an earlier one again are left "
+      "out.");
 }
 
 int study_order(const StudyOrderOptions& o) {

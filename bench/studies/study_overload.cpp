@@ -169,7 +169,7 @@ OverloadPart overload_part(const OverloadSettings& settings, const OverloadDrive
     if (!step.up && step.demand <= 1 + 1e-9) fits = std::min(fits, first);
   }
   part.loops = simulation::overload_loops(part.rows);
-  part.recovery_frames = simulation::recovery_frames(frames.subspan(fits), unlimited.subspan(fits));
+  part.recovery = simulation::recovery(frames.subspan(fits), unlimited.subspan(fits));
   return part;
 }
 
@@ -214,7 +214,9 @@ void add_overload_part(const OverloadPart& part, io::StudyTable& table) {
     row.push_back(loop.difference ? io::StudyCell(loop.demand) : io::StudyCell());
   }
   columns.push_back({"recovery_frames", "frames until levels were back", 0});
-  row.push_back(part.recovery_frames ? io::StudyCell(*part.recovery_frames) : io::StudyCell(std::string("never")));
+  row.push_back(part.recovery.frames    ? io::StudyCell(*part.recovery.frames)
+                : part.recovery.defined ? io::StudyCell(std::string("never"))
+                                        : io::StudyCell());
   table.summary->rows.push_back(row);
 }
 

@@ -27,7 +27,7 @@ struct OverloadPart {
   OverloadUnit unit;
   std::vector<simulation::OverloadRow> rows;
   std::vector<simulation::OverloadLoop> loops;
-  std::optional<std::uint64_t> recovery_frames;  ///< empty: never
+  simulation::Recovery recovery;
 };
 OverloadPart overload_part(const OverloadSettings& settings, const OverloadDrive& drive);
 /// Appends the rows of a drive to the table and its loops to the summary; sets the columns.

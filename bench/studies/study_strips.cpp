@@ -98,9 +98,13 @@ class Collision {
     strip.moments.push_back(std::move(seen).value());
     return Done{};
   }
+  // The two with each other: what lies on a floor gets impulses long before.
   [[nodiscard]] bool exchanged_impulse() const {
-    return std::ranges::any_of(run_.world().contacts(),
-                               [](const Contact& contact) { return contact.impulse_ns.norm() > 0; });
+    const std::array<BodyId, 2> two = {run_.bodies()[bodies_[0]].id, run_.bodies()[bodies_[1]].id};
+    return std::ranges::any_of(run_.world().contacts(), [&](const Contact& contact) {
+      const bool met = (contact.a == two[0] && contact.b == two[1]) || (contact.a == two[1] && contact.b == two[0]);
+      return met && contact.impulse_ns.norm() > 0;
+    });
   }
   [[nodiscard]] std::array<collision::Pose, 2> poses_now() const {
     std::array<collision::Pose, 2> poses;

@@ -148,5 +148,26 @@ TEST(ForecastTrial, FramesThatAreNotJudgedAreStillLearnedFrom) {
   EXPECT_EQ(try_forecasts(tails, 0.01, 99)[2].exceeded, 1) << "the last one alone";
 }
 
+TEST(ForecastTrial, TakesTheTailsOfMeasuredFramesThatHadSomethingToDo) {
+  std::vector<RunFrame> frames(5);
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    frames[i].report.contact_pairs = static_cast<std::uint32_t>(i);
+    frames[i].report.tail_actual = microseconds(1000);
+    frames[i].report.tail_optional = microseconds(300);
+  }
+  frames[0].warm_up = true;
+  frames[2].report.tail_optional = microseconds(1000);
+  frames[3].report.off_cpu = microseconds(31);
+  const std::vector<RecordedTail> all = recorded_tails(frames, false);
+  ASSERT_EQ(all.size(), 3U);
+  EXPECT_EQ(all[0].contacts, 1U);
+  EXPECT_EQ(all[1].contacts, 3U);
+  EXPECT_EQ(all[2].contacts, 4U);
+  EXPECT_EQ(all[0].actual, microseconds(700));
+  const std::vector<RecordedTail> undisturbed = recorded_tails(frames, true);
+  ASSERT_EQ(undisturbed.size(), 2U);
+  EXPECT_EQ(undisturbed[1].contacts, 4U);
+}
+
 }  // namespace
 }  // namespace poise::simulation

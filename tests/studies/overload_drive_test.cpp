@@ -182,10 +182,10 @@ TEST(OverloadDrive, AfterAnyDemandOnAShakenHeapFullLevelsAreBackWithinSixtyFrame
       if (contacts[0] + contacts[1] > 0) ++overloaded;
     }
     const std::optional<std::uint64_t> back =
-        simulation::recovery_frames(frames.subspan(driven), unlimited.subspan(driven));
+        simulation::recovery(frames.subspan(driven), unlimited.subspan(driven)).frames;
     ASSERT_TRUE(back);
     EXPECT_LE(*back, 60U);
-    EXPECT_TRUE(simulation::recovery_frames(frames.last(10), unlimited.last(10))) << "and stay";
+    EXPECT_TRUE(simulation::recovery(frames.last(10), unlimited.last(10)).frames) << "and stay";
   }
   EXPECT_GT(overloaded, 50U) << "there was no overload to come back from";
 }

@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <chrono>
+#include <optional>
+#include <vector>
 
 // All frames are invented.
 namespace poise::simulation {
@@ -25,6 +27,11 @@ std::vector<RunFrame> frames_at(Level level, std::size_t count) {
 std::vector<RunFrame> joined(std::vector<RunFrame> first, const std::vector<RunFrame>& then) {
   first.insert(first.end(), then.begin(), then.end());
   return first;
+}
+
+std::optional<std::uint64_t> recovery_frames(const std::vector<RunFrame>& frames,
+                                             const std::vector<RunFrame>& unlimited) {
+  return recovery(frames, unlimited).frames;
 }
 
 TEST(OverloadSteps, GoUpByHalfOctavesAndComeBackOverTheSame) {
@@ -153,11 +160,33 @@ TEST(Recovery, AllowsAFiftiethOfALevelAndNoMore) {
   EXPECT_EQ(recovery_frames(nearly, full), std::nullopt);
 }
 
-TEST(Recovery, FramesInWhichNothingTouchesAreNotBackUnlessNothingTouchesWithoutALimitEither) {
+TEST(Recovery, FramesInWhichNothingTouchesAreNotBackAndSayNothingWhereNothingTouchesWithoutALimit) {
   const std::vector<RunFrame> empty(30);
   EXPECT_EQ(recovery_frames(empty, frames_at(2, 30)), std::nullopt);
-  EXPECT_EQ(recovery_frames(empty, empty), 0U);
-  EXPECT_EQ(recovery_frames({}, {}), std::nullopt);
+  EXPECT_TRUE(recovery(empty, frames_at(2, 30)).defined) << "there was something to come back to";
+  EXPECT_EQ(recovery_frames(empty, empty), std::nullopt);
+  EXPECT_FALSE(recovery(empty, empty).defined);
+  EXPECT_FALSE(recovery({}, {}).defined);
+  EXPECT_EQ(recovery_frames(frames_at(2, 30), joined(std::vector<RunFrame>(15), frames_at(2, 15))), 6U)
+      << "the first ten in which something touches";
+}
+
+TEST(Recovery, PolygonsAreALevelMoreThanTheDeepestOfSpheres) {
+  const std::vector<RunFrame> polygons = frames_at(kPolygonBin, 30);
+  EXPECT_EQ(recovery_frames(polygons, polygons), 0U);
+  EXPECT_EQ(recovery_frames(joined(frames_at(3, 12), frames_at(kPolygonBin, 18)), polygons), 12U);
+  EXPECT_EQ(recovery_frames(frames_at(3, 30), polygons), std::nullopt) << "by spheres alone they are not back";
+  RunFrame mixed = frame_at(3, 1000);
+  mixed.report.level_histogram[kPolygonBin] = 1000;
+  const std::vector<RunFrame> half(30, mixed);
+  // 3.5 in the mean with polygons as level 4: 980 of 2,000 are a hundredth of a level below, 950 two and a half.
+  mixed.report.level_histogram = {};
+  mixed.report.level_histogram[3] = 1020;
+  mixed.report.level_histogram[kPolygonBin] = 980;
+  EXPECT_EQ(recovery_frames(std::vector<RunFrame>(30, mixed), half), 0U);
+  mixed.report.level_histogram[3] = 1050;
+  mixed.report.level_histogram[kPolygonBin] = 950;
+  EXPECT_EQ(recovery_frames(std::vector<RunFrame>(30, mixed), half), std::nullopt);
 }
 
 }  // namespace

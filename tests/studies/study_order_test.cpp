@@ -71,6 +71,7 @@ TEST(StudyOrder, CountedWorkGoesInTheOrderOfScores) {
   EXPECT_NEAR(row.at("work_percent").get<double>(), 30.0, 1.0);
   EXPECT_LT(row.at("misplaced_percent").get<double>(), 25.0) << "what rounds of pairs cost in so small a heap";
   EXPECT_TRUE(row.at("ranking_percent").is_null());
+  EXPECT_EQ(row.at("frames_left_out"), 0) << "nothing is left out by the work clock";
 }
 
 TEST(StudyOrder, WithAllTheTimeThatThereIsNothingIsMisplaced) {

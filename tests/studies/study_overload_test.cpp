@@ -119,6 +119,10 @@ TEST(StudyOverload, SaysNeverWhereLevelsDoNotComeBack) {
   for (std::size_t i = 7 * 20 + 5; i < 200; ++i) drive.frames[i] = full;
   app::add_overload_part(app::overload_part(settings, drive), table);
   EXPECT_EQ(std::get<std::uint64_t>(table.summary->rows[1].back()), 5U);
+  drive.unlimited.assign(200, simulation::RunFrame{});
+  io::StudyTable none;
+  app::add_overload_part(app::overload_part(settings, drive), none);
+  EXPECT_TRUE(std::holds_alternative<std::monostate>(none.summary->rows[0].back())) << "there was none to come back to";
   EXPECT_EQ(table.rows.size(), 20U);
   for (const auto& row : table.rows) EXPECT_EQ(row.size(), table.columns.size());
   for (const auto& row : table.summary->rows) EXPECT_EQ(row.size(), table.summary->columns.size());

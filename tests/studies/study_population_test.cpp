@@ -98,6 +98,11 @@ TEST(StudyPopulation, CountsTheLastThirdByItselfAndMemoryByTheMostPairs) {
   ReferenceFigures& reference = frames[8].report.reference.emplace();
   reference.e_seen_mps = 0.3;
   reference.change_mps = 1.5;
+  reference.converged = true;
+  ReferenceFigures& without_end = frames[7].report.reference.emplace();
+  without_end = reference;
+  without_end.e_seen_mps = 1.2;
+  without_end.converged = false;
   app::StudyRun run;
   run.bodies = 20;
   const std::vector<io::StudyCell> row = app::population_row(run, {2500, 1000}, frames);
@@ -116,6 +121,7 @@ TEST(StudyPopulation, CountsTheLastThirdByItselfAndMemoryByTheMostPairs) {
   EXPECT_EQ(number("p50_last_ms"), 8);
   EXPECT_EQ(number("level_last"), 2);
   EXPECT_EQ(number("held_mean"), 2);
+  EXPECT_NEAR(number("e_seen_mps"), 0.3, 1e-15) << "of references that have converged";
   EXPECT_NEAR(number("e_seen_rel"), 0.2, 1e-15);
   EXPECT_EQ(number("bytes_per_body"), 50);
   EXPECT_EQ(number("bytes_per_pair"), 20);

@@ -51,6 +51,20 @@ TEST(StudyStrips, OfTwoBallsTellsTheTimeTheGapAndTheVelocitiesOfClosedForm) {
   EXPECT_EQ(strip.moments[3].frame, 80U);
 }
 
+TEST(StudyStrips, OfBodiesOnAFloorWaitsForTheirOwnCollision) {
+  // They slide from the first frame on, at 2 m/s from a gap of 1 m.
+  const Result<Scene> scene = parse(scene_text(R"("frames": 80, "gravity_mps2": [0, 0, -10], )",
+                                               R"([{"shape": "floor", "material": "hard", "static": true},
+          {"shape": "ball", "material": "hard", "position_m": [-1, 0, 0.5], "velocity_mps": [1, 0, 0]},
+          {"shape": "ball", "material": "hard", "position_m": [1, 0, 0.5], "velocity_mps": [-1, 0, 0]}])"));
+  ASSERT_TRUE(scene) << scene.error().message;
+  const Result<app::Strips> strips = app::collide(scene.value(), {});
+  ASSERT_TRUE(strips) << strips.error().message;
+  ASSERT_TRUE(strips.value().strips[0].met);
+  EXPECT_GT(strips.value().strips[0].time_s, 0.4) << "friction slows them";
+  EXPECT_LT(strips.value().strips[0].gap_m, 0.021);
+}
+
 TEST(StudyStrips, OfBodiesThatNeverMeetSaysSo) {
   const Result<Scene> scene = parse(scene_text(R"("frames": 5, )", R"([{"shape": "ball", "material": "hard"},
       {"shape": "ball", "material": "hard", "position_m": [5, 0, 0]}])"));
