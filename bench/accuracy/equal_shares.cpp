@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
 #include <numbers>
 
 #include "accuracy/small_world.h"
@@ -35,6 +36,15 @@ std::array<double, 2> mean_energies(const SmallWorld& world, double heavy_kg, do
   }
   const double half = 0.5 * static_cast<double>(world.bodies().size());
   return {sums[0] / half, sums[1] / half};
+}
+
+// Did a ball of the first ring and one of the second exchange an impulse in the last step?
+bool rings_met(const SmallWorld& world, std::ptrdiff_t balls_of_first) {
+  const auto first_end = world.bodies().begin() + balls_of_first;
+  const auto of_first = [&](BodyId body) { return std::find(world.bodies().begin(), first_end, body) != first_end; };
+  return std::ranges::any_of(world.world().contacts(), [&](const Contact& contact) {
+    return contact.impulse_ns.squaredNorm() > 0 && of_first(contact.a) != of_first(contact.b);
+  });
 }
 
 }  // namespace
@@ -76,6 +86,7 @@ Status two_gases(Context& context) {
 
 Status spinning_rings(Context& context) {
   using std::numbers::pi;
+  constexpr int kBalls = 24;
   {
     // 16 balls in one body lie on a floor without friction and turn.
     std::vector<Sphere> spheres;
@@ -98,7 +109,7 @@ Status spinning_rings(Context& context) {
     SmallWorld world(context, Vec3::Zero(), {0.3, friction, 1000});
     const ShapeId ball = world.ball(0.1);
     for (int ring = 0; ring < 2; ++ring) {
-      for (int i = 0; i < 24; ++i) {
+      for (int i = 0; i < kBalls; ++i) {
         const double angle = pi / 12 * (i + 0.5 * ring);
         const Vec3 out(std::cos(angle), std::sin(angle), 0);
         const Vec3 along(-out.y(), out.x(), 0);
@@ -108,17 +119,16 @@ Status spinning_rings(Context& context) {
     }
     const Motions start = motions_of(world.world(), world.bodies());
     double worst = 0;
-    std::size_t impulses = 0;
+    bool met = false;
     for (int i = 0; i < 240; ++i) {
       world.step(1.0 / 120);
-      for (const Contact& contact : world.world().contacts())
-        impulses += contact.impulse_ns.squaredNorm() > 0 ? 1U : 0U;
+      met = met || rings_met(world, kBalls);
       const Vec3 now = motions_of(world.world(), world.bodies()).angular_momentum_js;
       worst = std::max(worst, (now - start.angular_momentum_js).norm() / start.scale.angular_momentum_js);
     }
     const std::string with = friction > 0 ? ", friction 0.5" : "";
     context.add("change of angular momentum, two rings of 24 balls" + with, "1", worst, 1e-12);
-    context.add("rings that missed each other" + with, "", impulses > 24 ? 0 : 2, 0);
+    context.add("rings that missed each other" + with, "", met ? 0 : 2, 0);
   }
   return context.at(1);
 }

@@ -16,6 +16,14 @@ namespace {
 constexpr std::array<const char*, 4> kMeshes = {"jack", "torus", "l", "bowl"};
 constexpr Level kDepth = 3;
 constexpr double kStepS = 1.0 / 120;
+constexpr int kFrames = 150;
+
+// The bodies of a cloud begin apart and part again. Bounds of the frames in which none meets: a fifth above the most
+// that was measured at any level (docs/accuracy.md, "Bounds that were measured").
+struct Cloud {
+  double restitution, friction, frames_apart;
+};
+constexpr std::array<Cloud, 3> kClouds = {{{0, 0, 46}, {1, 0, 104}, {0.3, 0.5, 48}}};
 
 std::string level_name(Level level) { return level > kDepth ? "polygons" : fmt::format("level {}", level); }
 
@@ -47,7 +55,7 @@ Result<std::vector<ShapePtr>> load(const Context& context) {
 
 struct Watched {
   double momentum = 0, angular_momentum = 0, energy = 0;  // largest change as a share of the possible sum
-  std::size_t impulses = 0;
+  int frames_without_impulse = 0;
 };
 
 Watched watch(SmallWorld& world, int frames) {
@@ -55,8 +63,9 @@ Watched watch(SmallWorld& world, int frames) {
   Watched watched;
   for (int i = 0; i < frames; ++i) {
     world.step(kStepS);
-    for (const Contact& contact : world.world().contacts())
-      watched.impulses += contact.impulse_ns.squaredNorm() > 0 ? 1U : 0U;
+    const bool impulse = std::ranges::any_of(
+        world.world().contacts(), [](const Contact& contact) { return contact.impulse_ns.squaredNorm() > 0; });
+    if (!impulse) ++watched.frames_without_impulse;
     const Motions now = motions_of(world.world(), world.bodies());
     watched.momentum =
         std::max(watched.momentum, (now.momentum_ns - start.momentum_ns).norm() / start.scale.momentum_ns);
@@ -86,17 +95,17 @@ Status cloud_momenta(Context& context) {
   const Result<std::vector<ShapePtr>> shapes = load(context);
   if (!shapes) return shapes.error();
   double done = 0;
-  for (const auto& [e, friction] : {std::pair{0.0, 0.0}, std::pair{1.0, 0.0}, std::pair{0.3, 0.5}}) {
+  for (const auto& [e, friction, frames_apart] : kClouds) {
     for (Level level = 0; level <= kDepth + 1; ++level) {
       SmallWorld world(context, Vec3::Zero(), {e, friction, 1000});
       fill_cloud(world, shapes.value());
       set_level(world, level);
-      const Watched watched = watch(world, 150);
+      const Watched watched = watch(world, kFrames);
       const std::string which =
           fmt::format("{}, e = {:g}{}", level_name(level), e, friction > 0 ? ", friction 0.5" : "");
       context.add("change of momentum, " + which, "1", watched.momentum, 1e-12);
       context.add("change of angular momentum, " + which, "1", watched.angular_momentum, 1e-12);
-      context.add("frames without an impulse, " + which, "", watched.impulses > 100 ? 0 : 150, 0);
+      context.add("frames without an impulse, " + which, "", watched.frames_without_impulse, frames_apart);
       const Status go_on = context.at(++done / 15);
       if (!go_on) return go_on;
     }
@@ -109,7 +118,7 @@ Status impact_energy(Context& context) {
   if (!shapes) return shapes.error();
   for (Level level = 0; level <= kDepth + 1; ++level) {
     double worst = 0;
-    std::size_t impulses = 0;
+    int without_impulse = 0;
     Random random(31);
     for (int k = 0; k < 24; ++k) {
       // A single pair with an eccentric impact; it separates after one or a few impacts.
@@ -120,12 +129,12 @@ Status impact_energy(Context& context) {
       world.add(a, Vec3::Zero(), Vec3::Zero(), random.turn(), random.in_box(2));
       world.add(b, 2.2 * line + random.in_box(0.15), -2 * line, random.turn(), random.in_box(2));
       set_level(world, level);
-      const Watched watched = watch(world, 150);
+      const Watched watched = watch(world, kFrames);
       worst = std::max(worst, watched.energy);
-      impulses += watched.impulses;
+      if (watched.frames_without_impulse == kFrames) ++without_impulse;
     }
     context.add("change of kinetic energy, " + level_name(level), "1", worst, 1e-12);
-    context.add("throws without an impulse, " + level_name(level), "", impulses >= 12 ? 0 : 24, 0);
+    context.add("throws without an impulse, " + level_name(level), "", without_impulse, 0);
     const Status go_on = context.at((level + 1.0) / (kDepth + 2));
     if (!go_on) return go_on;
   }

@@ -67,7 +67,8 @@ TEST_P(FastCase, IsWithinItsBounds) {
 INSTANTIATE_TEST_SUITE_P(OfTheStudy, FastCase,
                          ::testing::Values("two spheres", "free flight", "spinning top", "dropped ball", "five balls",
                                            "sliding box", "slope, balls on plane", "rolling ball", "skidding ball",
-                                           "bouncing 7 x 7", "400 : 1", "bad states"));
+                                           "bouncing 7 x 7", "400 : 1", "bad states", "spinning rings",
+                                           "momenta of a cloud"));
 
 TEST(StudyAccuracy, FiguresDoNotDependOnThreads) {
   const auto rows = [](const char* threads) {
