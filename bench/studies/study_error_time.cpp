@@ -62,6 +62,8 @@ std::vector<std::size_t> states_of(const ErrorTimeRun& run, const std::string& g
   return states;
 }
 
+io::StudyCell cell_of(const std::optional<double>& value) { return value ? io::StudyCell(*value) : io::StudyCell(); }
+
 // One row: a method over the states that count for its group.
 std::vector<io::StudyCell> row_of(const MethodRun& method, const std::vector<std::size_t>& states, std::uint64_t seed) {
   io::ComparedSteps steps;
@@ -88,11 +90,11 @@ std::vector<io::StudyCell> row_of(const MethodRun& method, const std::vector<std
           time_ms(0.25),
           time_ms(0.75),
           row.e_rel.mean,
-          row.e_rel.low,
-          row.e_rel.high,
+          cell_of(row.e_rel.low),
+          cell_of(row.e_rel.high),
           row.e_seen_mps.mean,
-          row.e_seen_mps.low,
-          row.e_seen_mps.high,
+          cell_of(row.e_seen_mps.low),
+          cell_of(row.e_seen_mps.high),
           with_own > 0 ? io::StudyCell(own / static_cast<double>(with_own)) : io::StudyCell(),
           row.false_rate ? io::StudyCell(100 * *row.false_rate) : io::StudyCell()};
 }
@@ -114,7 +116,8 @@ LineChart chart_of(const io::StudyTable& table, const char* id, const std::array
     const std::vector<LinePoint> low = of(1, group), high = of(2, group);
     // Levels take about the same time, so there is neither a line through them nor a band.
     const bool is_curve = group != kLevelsGroup;
-    for (std::size_t i = 0; is_curve && i < points.size(); ++i) {
+    // A group has the same states in all rows: one state has no interval in any.
+    for (std::size_t i = 0; is_curve && i < low.size(); ++i) {
       points[i].low = low[i].y;
       points[i].high = high[i].y;
     }

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "app/command.h"
+#include "app/compare/compare_report.h"
 #include "app/pages.h"
 #include "app/report/report_template.h"
 #include "scene/temporary_folder.h"
@@ -152,6 +153,35 @@ TEST(CompareReport, IsWrittenWholeOrRefusedBeforeTheWork) {
   }
   EXPECT_EQ(figures.at("charts")[3].at("lines").size(), 2U) << "regret is measured from the oracle";
   EXPECT_EQ(count_of(figures.at("tables").get<std::string>(), "\n| perceptual |"), 3U);
+}
+
+io::ComparisonDocument compared(std::size_t frames) {
+  io::ComparisonDocument document;
+  io::ComparedSteps steps{{"perceptual", "random"}, {0, 10}, {}};
+  for (std::size_t frame = 0; frame < frames; ++frame) {
+    for (const double e_mps : {2.0, 1.0, 4.0, 3.0}) {
+      io::ComparedStep step;
+      step.converged = true;
+      step.e_mps = step.e_rel = step.e_seen_mps = e_mps + static_cast<double>(frame);
+      steps.steps.push_back(step);
+    }
+  }
+  document.result = io::compare_steps(steps, 1);
+  return document;
+}
+
+TEST(CompareReport, IsNotSureOfFewStatesAndDrawsNoBandOfOne) {
+  const app::FiguresDocument sure = app::comparison_figures(compared(6), {});
+  EXPECT_EQ(sure.mark, app::FiguresDocument::Mark::Good);
+  EXPECT_EQ(sure.headline, "perceptual leaves the least to be seen");
+  const app::FiguresDocument few = app::comparison_figures(compared(5), {});
+  EXPECT_EQ(few.mark, app::FiguresDocument::Mark::None);
+  EXPECT_EQ(few.headline, "Too few states to tell perceptual from random");
+  EXPECT_TRUE(few.charts[0].lines[0].points[0].low);
+  const app::FiguresDocument one = app::comparison_figures(compared(1), {});
+  EXPECT_FALSE(one.charts[0].lines[0].points[0].low);
+  EXPECT_EQ(one.charts[0].note, "Lower is better.");
+  EXPECT_NE(one.tables.find("| perceptual | 0 | 2 | - |"), std::string::npos) << one.tables;
 }
 
 TEST(CompareReport, IsRefusedWhereItCannotBeWritten) {

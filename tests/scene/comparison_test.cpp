@@ -53,10 +53,11 @@ TEST(Comparison, IntervalsHoldTheMeanAndRepeatForASeed) {
   const ComparedSteps steps = steps_of({1.13, 5.71, 2.37, 8.19, 3.01, 3.93, 9, 1}, 1, 2);
   const PolicyComparison result = compare_steps(steps, 7);
   const Estimate& seen = result.rows[0].e_seen_mps;
-  EXPECT_LT(seen.low, seen.mean);
-  EXPECT_GT(seen.high, seen.mean);
-  EXPECT_GE(seen.low, 1);
-  EXPECT_LE(seen.high, 9);
+  ASSERT_TRUE(seen.low && seen.high);
+  EXPECT_LT(*seen.low, seen.mean);
+  EXPECT_GT(*seen.high, seen.mean);
+  EXPECT_GE(*seen.low, 1);
+  EXPECT_LE(*seen.high, 9);
   EXPECT_EQ(compare_steps(steps, 7).rows[0].e_seen_mps.low, seen.low);
   EXPECT_NE(compare_steps(steps, 8).rows[0].e_seen_mps.low, seen.low);
 }
@@ -67,14 +68,40 @@ TEST(Comparison, TheConclusionGoesByDifferencesWithinEachFrame) {
   EXPECT_NE(sure.conclusion.find("perceptual: mean E_seen"), std::string::npos) << sure.conclusion;
   EXPECT_NE(sure.conclusion.find("9.1 % below random"), std::string::npos) << sure.conclusion;
   EXPECT_TRUE(sure.conclusion.ends_with(": sure")) << sure.conclusion;
-  ComparedSteps mixed = steps_of({1, 2, 3, 4}, 1, 1.1);
-  for (std::size_t frame = 0; frame < 4; frame += 2) {
+  ComparedSteps mixed = steps_of({1, 2, 3, 4, 5, 6}, 1, 1.1);
+  for (std::size_t frame = 0; frame < 6; frame += 2) {
     for (std::size_t b = 0; b < 2; ++b) {
       std::swap(mixed.steps[frame * 4 + b], mixed.steps[frame * 4 + 2 + b]);
     }
   }
   const PolicyComparison unsure = compare_steps(mixed, 1);
   EXPECT_NE(unsure.conclusion.find("cannot be told apart"), std::string::npos) << unsure.conclusion;
+}
+
+// Differences of one sign have an interval without 0 however few they are.
+TEST(Comparison, FewerThanSixFramesConcludeNothing) {
+  const PolicyComparison five = compare_steps(steps_of({1, 2, 3, 4, 5}, 1, 2), 1);
+  EXPECT_TRUE(five.too_few);
+  EXPECT_FALSE(five.sure);
+  EXPECT_TRUE(five.conclusion.ends_with(", 5 frames): too few states")) << five.conclusion;
+  EXPECT_NE(five.conclusion.find("95 % interval"), std::string::npos) << five.conclusion;
+  const PolicyComparison six = compare_steps(steps_of({1, 2, 3, 4, 5, 6}, 1, 2), 1);
+  EXPECT_FALSE(six.too_few);
+  EXPECT_TRUE(six.sure);
+  EXPECT_TRUE(six.conclusion.ends_with(": sure")) << six.conclusion;
+}
+
+TEST(Comparison, OneFrameHasNoInterval) {
+  const PolicyComparison one = compare_steps(steps_of({3}, 1, 2), 1);
+  EXPECT_FALSE(one.sure);
+  EXPECT_EQ(one.conclusion,
+            "perceptual: mean E_seen 2.25 m/s over the budgets, 50.0 % below random (1 frame): too few states");
+  for (const ComparisonRow& row : one.rows) {
+    for (const Estimate* estimate : {&row.e_mps, &row.e_rel, &row.e_seen_mps})
+      EXPECT_FALSE(estimate->low || estimate->high);
+  }
+  EXPECT_FALSE(one.areas[0].e_seen_mps.low);
+  EXPECT_TRUE(compare_steps(steps_of({3, 3}, 1, 2), 1).rows[0].e_mps.low);
 }
 
 TEST(Comparison, AFrameCountsForAllPoliciesOrForNone) {
@@ -100,12 +127,12 @@ TEST(Comparison, RegretIsWhatThePolicyHasMoreThanTheOracleWhichNoConclusionIsAbo
   EXPECT_EQ(result.conclusion, "perceptual: mean E_seen 3 m/s over the budgets");
 }
 
-ComparisonDocument document() {
+ComparisonDocument document(const std::vector<double>& frames = {1, 2, 3}) {
   ComparisonDocument document;
   document.scene = "a <b> & c";
   document.budget_unit = "work_units";
   document.clock = "work";
-  document.result = compare_steps(steps_of({1, 2, 3}, 1, 2), 1);
+  document.result = compare_steps(steps_of(frames, 1, 2), 1);
   return document;
 }
 
@@ -121,6 +148,20 @@ TEST(ComparisonDocument, HasARowForEachPolicyAndBudget) {
   EXPECT_TRUE(json.at("rows")[3].at("regret").is_null());
   const std::string csv = comparison_csv(document());
   EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 5);
+}
+
+TEST(ComparisonDocument, HasNoIntervalOfOneFrame) {
+  const ComparisonDocument one = document({1});
+  const auto json = nlohmann::json::parse(comparison_json(one));
+  for (const char* member : {"E_low", "E_high", "E_rel_low", "E_rel_high", "E_seen_low", "E_seen_high"})
+    EXPECT_TRUE(json.at("rows")[0].at(member).is_null()) << member;
+  EXPECT_TRUE(json.at("areas")[0].at("E_seen_low").is_null());
+  EXPECT_TRUE(json.at("areas")[0].at("E_seen_high").is_null());
+  EXPECT_NE(comparison_csv(one).find(",1,2,,,0.5,,,1,,,"), std::string::npos) << comparison_csv(one);
+  const std::string table = comparison_table(one);
+  EXPECT_NE(table.find("        1         -         -"), std::string::npos) << table;
+  const auto two = nlohmann::json::parse(comparison_json(document({1, 2})));
+  EXPECT_TRUE(two.at("rows")[0].at("E_seen_low").is_number());
 }
 
 TEST(ComparisonDocument, TheTableEndsWithTheConclusion) {

@@ -131,6 +131,20 @@ TEST(ErrorTime, RowsOfAGroupAreOverTheStatesInWhichAllOfThemCount) {
   EXPECT_TRUE(charts[0].lines[0].points[1].low.has_value());
 }
 
+TEST(ErrorTime, OneStateHasNoIntervalAndNoBand) {
+  app::ErrorTimeRun run;
+  run.methods.emplace_back().method = {"one", app::SettingKind::Iterations, 4};
+  run.methods.back().steps = {step_of(0.1, 1)};
+  const io::StudyTable table = app::error_time_table(run, 1);
+  for (const char* name : {"e_rel_low", "e_rel_high", "e_seen_low_mps", "e_seen_high_mps"}) {
+    const auto at = std::ranges::find(table.columns, name, &io::StudyColumn::name) - table.columns.begin();
+    EXPECT_TRUE(std::holds_alternative<std::monostate>(table.rows.at(0).at(static_cast<std::size_t>(at)))) << name;
+  }
+  const std::vector<app::LineChart> charts = app::error_time_charts(table);
+  ASSERT_EQ(charts[0].lines[0].points.size(), 1U);
+  EXPECT_FALSE(charts[0].lines[0].points[0].low.has_value());
+}
+
 TEST(ErrorTime, RefusesStatesWithoutContactsAndIterationsOutOfRange) {
   const CommandResult before = error_time({"--bodies", "8", "--warmup", "0", "--states", "1", "--every", "1",
                                            "--history", "1", "--deadlines", "5", "--iterations", "1"});

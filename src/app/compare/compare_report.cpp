@@ -46,12 +46,14 @@ LineChart e_seen_chart(const io::ComparisonDocument& d, std::string title, std::
 }
 
 std::vector<LineChart> charts_of(const io::ComparisonDocument& d) {
-  constexpr const char* kBands = "Lower is better. Bands: 95 % intervals of the mean.";
+  // One state has no interval.
+  const char* const bands =
+      d.result.frames > 1 ? "Lower is better. Bands: 95 % intervals of the mean." : "Lower is better.";
   std::vector<LineChart> charts;
-  charts.push_back(e_seen_chart(d, "E_seen: error that a viewer notices, m/s", kBands));
-  charts.push_back(chart_of(d, "e-rel", "E_rel: error as a share of what the frame changes", kBands,
+  charts.push_back(e_seen_chart(d, "E_seen: error that a viewer notices, m/s", bands));
+  charts.push_back(chart_of(d, "e-rel", "E_rel: error as a share of what the frame changes", bands,
                             [](const Row& row) { return with_interval(row.budget, row.e_rel); }));
-  charts.push_back(chart_of(d, "e", "E: error of all bodies alike, m/s", kBands,
+  charts.push_back(chart_of(d, "e", "E: error of all bodies alike, m/s", bands,
                             [](const Row& row) { return with_interval(row.budget, row.e_mps); }));
   charts.push_back(chart_of(d, "regret", "Regret: E_seen above that of the oracle, m/s",
                             "What a perfect order would still gain. Without the oracle's own line, which is 0.",
@@ -68,7 +70,8 @@ std::string shown(const std::optional<double>& value, double factor = 1) {
 }
 
 std::string interval(const io::Estimate& estimate) {
-  return fmt::format("{:.4g} to {:.4g}", estimate.low, estimate.high);
+  if (!estimate.low || !estimate.high) return "-";
+  return fmt::format("{:.4g} to {:.4g}", *estimate.low, *estimate.high);
 }
 
 std::string tables_of(const io::ComparisonDocument& d) {
@@ -117,6 +120,8 @@ FiguresDocument comparison_figures(const io::ComparisonDocument& d, std::vector<
     page.headline = d.result.best + ", compared with nothing";
   } else if (d.result.sure) {
     page.headline = d.result.best + " leaves the least to be seen";
+  } else if (d.result.too_few) {
+    page.headline = fmt::format("Too few states to tell {} from {}", d.result.best, d.result.next);
   } else {
     page.headline = fmt::format("{} and {} cannot be told apart", d.result.best, d.result.next);
   }

@@ -7,6 +7,9 @@ import random
 DRAWS = 2000
 # E_seen below this is nothing: keeps the ratio of two zeros defined. Far below what the reference resolves.
 LEAST_MPS = 1e-6
+# Fewer states conclude nothing, as in `poise compare`: where all ratios lie on one side of 1, their interval never
+# holds 1, even of two states. The least number of which a sign test with two sides can be significant at 5 %.
+LEAST_STATES = 6
 
 
 def _pairs(trial, base, budget):
@@ -34,8 +37,8 @@ def log_ratio(trial, base, budgets=None):
 
 def ratio(trial, base, seed, budgets=None):
     """exp(log_ratio) with its 95 % interval: bootstrap by percentiles (Efron 1979) in two stages, runs and then the
-    states of each, since states of a run are more alike than runs. Below 1: the trial leaves less error. None: no state
-    counts."""
+    states of each, since states of a run are more alike than runs. Below 1: the trial leaves less error. `states` is
+    how many count in all runs; one has no interval. None: no state counts."""
     mean = log_ratio(trial, base, budgets)
     if mean is None:
         return None
@@ -45,18 +48,26 @@ def ratio(trial, base, seed, budgets=None):
         columns = [_pairs(t, b, k) for k in (budgets if budgets is not None else range(len(b[0])))]
         if columns and columns[0]:
             runs.append(columns)
+    count = sum(len(columns[0]) for columns in runs)
+    if count < 2:
+        return {"ratio": math.exp(mean), "low": None, "high": None, "states": count}
     means = []
     for _ in range(DRAWS):
         logs = 0.0
         for _ in runs:
             columns = runs[drawn.randrange(len(runs))]
-            count = len(columns[0])
-            states = [drawn.randrange(count) for _ in range(count)]
+            size = len(columns[0])
+            states = [drawn.randrange(size) for _ in range(size)]
             logs += sum(_log_ratio([column[i] for i in states]) for column in columns) / len(columns)
         means.append(logs / len(runs))
     means.sort()
     return {"ratio": math.exp(mean), "low": math.exp(means[int(0.025 * (DRAWS - 1))]),
-            "high": math.exp(means[math.ceil(0.975 * (DRAWS - 1))])}
+            "high": math.exp(means[math.ceil(0.975 * (DRAWS - 1))]), "states": count}
+
+
+def too_few(figure):
+    """Whether a ratio is of too few states to conclude anything."""
+    return figure["states"] < LEAST_STATES
 
 
 def means_by_budget(policies):
@@ -74,4 +85,8 @@ def means_by_budget(policies):
 
 def shown(figure):
     """A ratio as text."""
-    return "-" if figure is None else f"{figure['ratio']:.3f} ({figure['low']:.3f} to {figure['high']:.3f})"
+    if figure is None:
+        return "-"
+    if figure["low"] is None:
+        return f"{figure['ratio']:.3f} (-)"
+    return f"{figure['ratio']:.3f} ({figure['low']:.3f} to {figure['high']:.3f})"

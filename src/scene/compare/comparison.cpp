@@ -25,8 +25,8 @@ class Bootstrap {
       drawn_.push_back(static_cast<std::uint32_t>(bits() % frames));
   }
   [[nodiscard]] Estimate of(const std::vector<double>& values) const {
-    Estimate estimate{mean_of(values), 0, 0};
-    if (values.empty()) return estimate;
+    Estimate estimate{mean_of(values), {}, {}};
+    if (values.size() < 2) return estimate;
     std::vector<double> means(kBootstrapDraws);
     for (std::size_t draw = 0; draw < means.size(); ++draw) {
       double sum = 0;
@@ -119,11 +119,16 @@ std::string conclusion_of(PolicyComparison& result, const std::vector<std::vecto
   for (std::size_t i = 0; i < heights[best].size(); ++i) less.push_back(heights[next][i] - heights[best][i]);
   const Estimate by = bootstrap.of(less);
   result.next = result.areas[next].policy;
-  result.sure = by.low > 0;
+  result.too_few = result.frames < kLeastFramesToConclude;
+  result.sure = !result.too_few && by.low && *by.low > 0;
   const double per = mean(next) > 0 ? 100 / mean(next) : 0;
-  return fmt::format("{}, {:.1f} % below {} (95 % interval {:.1f} to {:.1f} %, {} frames): {}", first, per * by.mean,
-                     result.areas[next].policy, per * by.low, per * by.high, result.frames,
-                     result.sure ? "sure" : "the two cannot be told apart");
+  const std::string interval =
+      by.low && by.high ? fmt::format("95 % interval {:.1f} to {:.1f} %, ", per * *by.low, per * *by.high) : "";
+  return fmt::format("{}, {:.1f} % below {} ({}{} {}): {}", first, per * by.mean, result.next, interval, result.frames,
+                     result.frames == 1 ? "frame" : "frames",
+                     result.too_few ? "too few states"
+                     : result.sure  ? "sure"
+                                    : "the two cannot be told apart");
 }
 
 }  // namespace

@@ -33,9 +33,11 @@ struct ComparedSteps {
   }
 };
 
-/// A mean over frames, with the 95 % interval of bootstrap over the frames (percentile method; Efron 1979).
+/// A mean over frames, with the 95 % interval of bootstrap over the frames (percentile method; Efron 1979). One frame
+/// has no interval.
 struct Estimate {
-  double mean = 0, low = 0, high = 0;
+  double mean = 0;
+  std::optional<double> low, high;
 };
 
 /// A policy at a budget: means over the frames that count.
@@ -65,6 +67,7 @@ struct PolicyComparison {
   std::vector<ComparisonArea> areas;  ///< in the order of the policies
   std::string conclusion;             ///< one line: which policy, by how much, how sure
   std::string best, next;             ///< that policy and the one after it; empty where there is none
+  bool too_few = false;               ///< fewer than kLeastFramesToConclude: nothing is concluded of the two
   bool sure = false;                  ///< whether the two can be told apart
 };
 
@@ -72,6 +75,9 @@ struct PolicyComparison {
 inline constexpr const char* kOraclePolicy = "oracle";
 /// Draws of the bootstrap. Chosen: the ends of an interval then vary by a few per cent of its width.
 inline constexpr int kBootstrapDraws = 2000;
+/// Fewer frames conclude nothing: where differences have one sign, their interval never holds 0, even of two frames.
+/// The least number of which a sign test with two sides can be significant at 5 %: 2 / 2^6 = 0.03.
+inline constexpr std::size_t kLeastFramesToConclude = 6;
 
 /// Computes the results. `seed` is that of the bootstrap; the same arguments give the same bits.
 PolicyComparison compare_steps(const ComparedSteps& steps, std::uint64_t seed);
