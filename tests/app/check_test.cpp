@@ -42,6 +42,19 @@ TEST(CheckCommand, TellsAllErrorsAtOnceAsRunDoes) {
   EXPECT_EQ(document.at("sound"), false);
   EXPECT_EQ(document.at("errors").size(), 4U);
   EXPECT_TRUE(document.at("needs").is_null());
+  EXPECT_TRUE(document.at("scene_hash").is_null());
+  EXPECT_TRUE(document.at("generators").is_null());
+}
+
+TEST(CheckCommand, TellsScenesApartAndWhetherTheyHaveGenerators) {
+  const auto checked = [](const char* scene) {
+    return json::parse(poise_command({"check", scene, "--json", "-", "--quiet"}).out, nullptr, false);
+  };
+  const json two = checked("two-body"), jacks = checked("jacks");
+  EXPECT_EQ(two.at("generators"), 0);
+  EXPECT_GT(jacks.at("generators"), 0);
+  EXPECT_EQ(two.at("scene_hash").get<std::string>().size(), 32U);
+  EXPECT_NE(two.at("scene_hash"), jacks.at("scene_hash"));
 }
 
 TEST(CheckCommand, EndsWithOneForWarningsWhereItIsStrict) {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "app/command.h"
+#include "app/files/scene_files.h"
 #include "scene/temporary_folder.h"
 
 namespace poise::testing {
@@ -56,6 +57,27 @@ TEST(Serve, AnswersAsAComparisonOfAllPoliciesWould) {
       EXPECT_DOUBLE_EQ(mean_seen(line, row.at("budget") == 10 ? 0 : 1), row.at("E_seen")) << row;
     }
   }
+}
+
+TEST(Serve, SaysWhichSceneAndProgramTheStatesAreOf) {
+  const TemporaryFolder folder;
+  const std::string text = contents(app::find_scene("two-body").value().string());
+  const auto facts = [&](const std::string& more) {
+    std::ofstream(folder.file("s.json")) << text << more;
+    std::ofstream(folder.file("in"));
+    const CommandResult result = poise_command_reading(
+        folder.file("in"), {"compare", folder.file("s.json"), "--frames", "1", "--quiet", "--serve"});
+    EXPECT_EQ(result.exit_code, 0) << result.error;
+    const json checked =
+        json::parse(poise_command({"check", folder.file("s.json"), "--json", "-", "--quiet"}).out, nullptr, false);
+    const json served = json::parse(result.out, nullptr, false);
+    EXPECT_EQ(served.at("scene_hash"), checked.at("scene_hash"));
+    return served;
+  };
+  const json first = facts(""), same = facts(""), other = facts(" ");
+  EXPECT_EQ(first.at("scene_hash"), same.at("scene_hash"));
+  EXPECT_NE(first.at("scene_hash"), other.at("scene_hash"));
+  EXPECT_FALSE(first.at("program").get<std::string>().empty());
 }
 
 TEST(Serve, RefusesAPolicyAndGoesOn) {

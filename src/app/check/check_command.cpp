@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -17,6 +18,7 @@
 #include "app/process/process_memory.h"
 #include "app/process/refusal.h"
 #include "scene/check/scene_check.h"
+#include "sweep/trial.h"
 
 namespace poise::app {
 namespace {
@@ -45,7 +47,18 @@ std::string table(const std::string& name, const io::SceneCheck& c) {
   return text;
 }
 
-std::string json_of(const std::string& name, const io::SceneCheck& c) {
+// What tells a scene from others; empty where it could not be read.
+struct SceneFacts {
+  std::optional<std::size_t> generators;
+  std::optional<std::string> hash;
+};
+
+SceneFacts facts_of(const SceneText& text, const Scene& scene) {
+  const Result<std::string> hash = sweep::scene_hash(text.text, scene);
+  return {scene.generators.size(), hash ? std::optional(hash.value()) : std::nullopt};
+}
+
+std::string json_of(const std::string& name, const SceneFacts& facts, const io::SceneCheck& c) {
   using Json = nlohmann::ordered_json;
   Json needs = nullptr;
   if (c.errors.empty()) {
@@ -56,14 +69,20 @@ std::string json_of(const std::string& name, const io::SceneCheck& c) {
              {"deadline_ms", c.deadline_ms}, {"heap_frame_ms", c.heap_frame_ms},
              {"pair_ms", c.pair_ms}};
   }
-  const Json json = {{"schema", "poise.check/1"}, {"scene", name},          {"sound", c.errors.empty()},
-                     {"errors", c.errors},        {"warnings", c.warnings}, {"needs", needs}};
+  const Json json = {{"schema", "poise.check/1"},
+                     {"scene", name},
+                     {"scene_hash", facts.hash ? Json(*facts.hash) : Json(nullptr)},
+                     {"generators", facts.generators ? Json(*facts.generators) : Json(nullptr)},
+                     {"sound", c.errors.empty()},
+                     {"errors", c.errors},
+                     {"warnings", c.warnings},
+                     {"needs", needs}};
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
-int tell(const CheckOptions& options, const std::string& name, const io::SceneCheck& check) {
+int tell(const CheckOptions& options, const std::string& name, const SceneFacts& facts, const io::SceneCheck& check) {
   for (const std::string& error : check.errors) refuse("check", kExitBadInput, error);
-  Status written = options.json.empty() ? Status(Done{}) : write_to(options.json, json_of(name, check));
+  Status written = options.json.empty() ? Status(Done{}) : write_to(options.json, json_of(name, facts, check));
   if (written && !options.quiet && options.json != "-" && check.errors.empty())
     written = write_to("-", table(name, check));
   if (!written) return refuse("check", written.error());
@@ -80,10 +99,10 @@ int check_command(const CheckOptions& options) {
   io::SceneCheck check;
   if (!text) {
     check.errors.push_back(text.error().message);
-    return tell(options, options.scene, check);
+    return tell(options, options.scene, {}, check);
   }
   const Result<Scene> scene = parse_scene_text(text.value(), check.errors);
-  if (!scene) return tell(options, text.value().name, check);
+  if (!scene) return tell(options, text.value().name, {}, check);
   const Status keeps = check_scene_files({{"--json", options.json}}, scene.value());
   if (!keeps) return refuse("check", kExitBadUsage, keeps.error().message);
   io::SceneCheckOptions asked;
@@ -92,7 +111,8 @@ int check_command(const CheckOptions& options) {
   asked.max_memory_bytes = max_memory_bytes(options.max_memory_mib);
   asked.threads = static_cast<int>(options.threads.value_or(0));
   asked.tree_cache = cache.value();
-  return tell(options, scene.value().name, io::check_scene(scene.value(), asked));
+  const SceneFacts facts = options.json.empty() ? SceneFacts{} : facts_of(text.value(), scene.value());
+  return tell(options, scene.value().name, facts, io::check_scene(scene.value(), asked));
 }
 
 }  // namespace

@@ -20,9 +20,11 @@
 #include "app/process/refusal.h"
 #include "app/process/standard_streams.h"
 #include "app/run/run_options.h"
+#include "app/sweep/sweep_plan.h"
 #include "parallel/interrupt.h"
 #include "scene/compare/comparison_document.h"
 #include "scene/result_file.h"
+#include "sweep/trial.h"
 
 namespace poise::app {
 namespace {
@@ -58,6 +60,28 @@ SceneRunOptions run_options(const CompareOptions& options, const Scene& scene, c
   return start;
 }
 
+// Before anything is loaded: what changes later is not what was asked for.
+Result<StatesIdentity> identity_of(const SceneText& text, const Scene& scene) {
+  Result<std::string> hash = sweep::scene_hash(text.text, scene);
+  if (!hash) return hash.error();
+  Result<std::string> program = program_identity();
+  if (!program) return program.error();
+  return StatesIdentity{std::move(hash).value(), std::move(program).value()};
+}
+
+// All but bodies and result.
+io::ComparisonDocument document_of(const CompareOptions& options, const Scene& scene, const CompareSettings& settings) {
+  io::ComparisonDocument document;
+  document.scene = scene.name;
+  document.budget_unit = budget_unit_name(settings.unit);
+  document.clock = options.clock;
+  document.seed = options.seed.value_or(scene.seed);
+  document.history = settings.history;
+  document.machine = io::this_machine();
+  document.build = io::this_build();
+  return document;
+}
+
 int compare(const CompareOptions& options) {
   // Told before a scene is read: the weights of its policy do not matter to what is checked here.
   const Result<CompareSettings> sound = compare_settings(options, {});
@@ -75,6 +99,9 @@ int compare(const CompareOptions& options) {
   if (options.bodies && scene.value().generators.empty()) {
     return refuse("compare", kExitBadUsage, "--bodies: the scene " + scene.value().name + " has no generators");
   }
+  const Result<StatesIdentity> identity =
+      options.serve ? identity_of(text.value(), scene.value()) : Result<StatesIdentity>(StatesIdentity{});
+  if (!identity) return refuse("compare", identity.error());
   scene.value().sleeping = false;
   if (options.polygons) scene.value().polygons = true;
   Result<CompareSettings> settings = compare_settings(options, scene.value().policy);
@@ -104,21 +131,14 @@ int compare(const CompareOptions& options) {
     progress.end();
     return refuse("compare", interrupt && interrupt->asked() ? stopped_error(kStoppedLoading) : run.error());
   }
-  io::ComparisonDocument document;
-  document.scene = scene.value().name;
-  document.budget_unit = budget_unit_name(settings.value().unit);
-  document.clock = options.clock;
-  document.seed = options.seed.value_or(scene.value().seed);
+  io::ComparisonDocument document = document_of(options, scene.value(), settings.value());
   document.bodies = run.value().bodies().size();
-  document.history = settings.value().history;
-  document.machine = io::this_machine();
-  document.build = io::this_build();
   if (options.serve) {
-    const Status served =
-        serve_policies(scene.value(), run.value(), settings.value(), document, std::cin, [&](double share) {
-          progress.share("making states", share);
-          return true;
-        });
+    const Status served = serve_policies(scene.value(), run.value(), settings.value(), document, identity.value(),
+                                         std::cin, [&](double share) {
+                                           progress.share("making states", share);
+                                           return true;
+                                         });
     progress.end();
     return served ? kExitDone : refuse("compare", served.error());
   }

@@ -62,7 +62,7 @@ Json answer(const std::string& line, const Scene& scene, const CompareSettings& 
 }  // namespace
 
 Status serve_policies(const Scene& scene, SceneRun& run, const CompareSettings& settings,
-                      const io::ComparisonDocument& facts, std::istream& in,
+                      const io::ComparisonDocument& facts, const StatesIdentity& identity, std::istream& in,
                       const std::function<bool(double share)>& told) {
   StateSet set;
   const auto keep = [&](std::uint64_t frame) -> Status {
@@ -81,7 +81,9 @@ Status serve_policies(const Scene& scene, SceneRun& run, const CompareSettings& 
                        {"history", facts.history},
                        {"states", set.states.size()},
                        {"machine", facts.machine},
-                       {"build", facts.build}});
+                       {"build", facts.build},
+                       {"scene_hash", identity.scene_hash},
+                       {"program", identity.program}});
   }
   for (std::string line; done && std::getline(in, line);) {
     if (!line.empty()) done = write_line(answer(line, scene, settings, set));
