@@ -98,29 +98,49 @@ TEST(Tune, RefusesAJournalOfAnotherSearch) {
   EXPECT_NE(text.error.find("--journal " + folder.file("text")), std::string::npos) << text.error;
 }
 
-// A program that answers as `poise compare --serve` does, and refuses the third policy of seed 1.
-std::string pretender(const TemporaryFolder& folder) {
+// A program that answers as `poise check` and `poise compare --serve` do; to the n-th policy, whose file is $line, by
+// `answer`. The seed is $4.
+std::string pretender(const TemporaryFolder& folder, const std::string& answer, int generators = 1,
+                      const std::string& scene_hash = "s") {
   const std::string file = folder.file("pretender");
-  std::ofstream(file)
-      << "#!/bin/sh\n"
-         "echo '{\"bodies\": 1, \"states\": 1, \"budgets\": [50], \"budget_unit\": \"percent\", "
-         "\"machine\": {}, \"build\": {\"commit\": \"a\"}}'\n"
-         "n=0\n"
-         "while read -r line; do\n"
-         "  n=$((n + 1))\n"
-         "  if [ \"$n $4\" = '3 1' ]; then echo '{\"error\": \"not this one\"}'; else echo '{\"E_seen\": "
-         "[[0.5]]}'; fi\n"
-         "done\n";
+  std::ofstream(file) << "#!/bin/sh\n"
+                         "if [ $1 = check ]; then echo '{\"scene_hash\": \"s\", \"generators\": "
+                      << generators
+                      << "}'; exit; fi\n"
+                         "echo '{\"bodies\": 1, \"states\": 1, \"budgets\": [50], \"budget_unit\": \"percent\", "
+                         "\"machine\": {}, \"build\": {\"commit\": \"a\"}, \"program\": \"a\", \"scene_hash\": \""
+                      << scene_hash
+                      << "\"}'\n"
+                         "n=0\n"
+                         "while read -r line; do\n"
+                         "  n=$((n + 1))\n"
+                      << answer << "\ndone\n";
   std::filesystem::permissions(file, std::filesystem::perms::owner_all);
   return file;
 }
+
+// It answers so many states each time, with less error for policies that have the cue `touch`.
+std::string pretender_of_touch(const TemporaryFolder& folder, std::size_t states) {
+  const auto all = [&](const std::string& e_seen) {
+    std::string text = e_seen;
+    for (std::size_t i = 1; i < states; ++i) text += "," + e_seen;
+    return "echo '{\"E_seen\": [" + text + "]}'";
+  };
+  return pretender(folder,
+                   "if grep -q '\"touch\": 1' \"$line\"; then " + all("[0.2]") + "; else " + all("[0.5]") + "; fi");
+}
+
+constexpr const char* kHalf = "echo '{\"E_seen\": [[0.5]]}'";
 
 TEST(Tune, TellsATrialThatFailsAndGoesOn) {
   POISE_SKIP_WITHOUT_OPTUNA();
   const TemporaryFolder folder;
   const std::string out = folder.file("mine.json");
   const CommandResult result =
-      poise_command(small_search({"--trials", "4", "--out", out, "--poise", pretender(folder)}));
+      poise_command(small_search({"--trials", "4", "--out", out, "--poise",
+                                  pretender(folder, std::string("if [ \"$n $4\" = '3 1' ]; then echo '{\"error\": "
+                                                                "\"not this one\"}'; else ") +
+                                                        kHalf + "; fi")}));
   ASSERT_EQ(result.exit_code, 0) << result.error;
   EXPECT_NE(result.error.find("failed: jacks, seed 1: not this one"), std::string::npos) << result.error;
   EXPECT_EQ(json::parse(contents(out)).at("evidence").at("trials"), json({{"done", 3}, {"failed", 1}}));
@@ -155,6 +175,41 @@ TEST(Tune, MeasuresWhatEachCueIsWorthWithoutOptuna) {
       EXPECT_LE(row.at(way).at("ratio"), row.at(way).at("high")) << row;
     }
   }
+}
+
+// Whatever the states say: differences of one sign have an interval on one side of 1 however few they are.
+TEST(Tune, ConcludesNothingOfACueFromFewerThanSixStates) {
+  const TemporaryFolder folder;
+  const std::string out = folder.file("cues.json");
+  const auto measured = [&](std::size_t states) {
+    const CommandResult result = poise_command(
+        {"tune", "jacks", "--seeds", "1", "--cues", "--out", out, "--poise", pretender_of_touch(folder, states)});
+    EXPECT_EQ(result.exit_code, 0) << result.error;
+    const std::size_t row = result.out.find("| `touch` |");
+    return result.out.substr(row, result.out.find('\n', row) - row);
+  };
+  const auto touch = [&] {
+    const json file = json::parse(contents(out));
+    for (const json& row : file.at("cues"))
+      if (row.at("cue") == "touch") return row;
+    return json();
+  };
+  EXPECT_EQ(measured(6), "| `touch` | 1 | yes | 0.400 (0.400 to 0.400) | 0.400 (0.400 to 0.400) | earns |");
+  EXPECT_EQ(touch().at("among").at("states"), 6);
+  EXPECT_EQ(measured(5), "| `touch` | 1 | yes | 0.400 (0.400 to 0.400) | 0.400 (0.400 to 0.400) | too few states |");
+  EXPECT_EQ(measured(1), "| `touch` | 1 | yes | 0.400 (-) | 0.400 (-) | too few states |");
+  EXPECT_TRUE(touch().at("among").at("low").is_null());
+  EXPECT_TRUE(touch().at("among").at("high").is_null());
+}
+
+TEST(Tune, ShowsNoFigureOfACueWhereNoStateCounts) {
+  const TemporaryFolder folder;
+  const CommandResult result = poise_command({"tune", "jacks", "--cues", "--out", folder.file("cues.json"), "--poise",
+                                              pretender(folder, "echo '{\"E_seen\": [[null]]}'")});
+  EXPECT_EQ(result.exit_code, 0) << result.error;
+  EXPECT_NE(result.out.find("| `touch` | 1 | yes | - | - | - |"), std::string::npos) << result.out;
+  EXPECT_EQ(result.error.find("Traceback"), std::string::npos) << result.error;
+  EXPECT_TRUE(json::parse(contents(folder.file("cues.json"))).at("cues")[0].at("among").is_null());
 }
 
 TEST(Tune, MeasuresAPolicyAgainstItsRivals) {

@@ -31,9 +31,14 @@ def measure(runs, base, seed, say):
 
 def conclusion(row):
     """What the interval among the others says."""
-    if row["among"]["high"] < 1:
+    among = row["among"]
+    if among is None:
+        return "-"
+    if figures.too_few(among):
+        return "too few states"
+    if among["high"] < 1:
         return "earns"
-    return "harms" if row["among"]["low"] > 1 else "not sure"
+    return "harms" if among["low"] > 1 else "not sure"
 
 
 def table(rows):
