@@ -177,6 +177,17 @@ TEST(Tune, MeasuresWhatEachCueIsWorthWithoutOptuna) {
   }
 }
 
+TEST(Tune, SaysThatNothingIsKeptWhereThereIsNoJournal) {
+  const TemporaryFolder folder;
+  for (const std::string what : {"--cues", "--measure"}) {
+    const CommandResult stopped = interrupted_on_terminal(
+        {"tune", "jacks", "--bodies", "40", "--frames", "2", what, "--out", folder.file("mine.json")}, SIGTERM);
+    EXPECT_EQ(stopped.exit_code, 128 + SIGTERM) << stopped.error;
+    EXPECT_NE(stopped.error.find("stopped; nothing is kept"), std::string::npos) << stopped.error;
+    EXPECT_EQ(stopped.error.find("journal"), std::string::npos) << stopped.error;
+  }
+}
+
 // Whatever the states say: differences of one sign have an interval on one side of 1 however few they are.
 TEST(Tune, ConcludesNothingOfACueFromFewerThanSixStates) {
   const TemporaryFolder folder;

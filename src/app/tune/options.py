@@ -17,7 +17,7 @@ _EPILOG = """examples:
   poise tune pile maze --bodies 250 --measure --out rivals.json
 
 exit codes: 0 done, 1 workers ended before the last trial, 2 bad usage or Optuna is missing, 3 bad input or no trial succeeded, 4 output failed, 130 stopped by
-Ctrl-C, 143 by SIGTERM; the journal keeps what was done, and the same command goes on."""
+Ctrl-C, 143 by SIGTERM; the journal of a search keeps what was done, and the same command goes on."""
 
 
 class Refused(Exception):

@@ -190,8 +190,16 @@ def write_policy(work, runs, policy, trials):
         tell("\n".join(tables))
 
 
+def what_is_left(options):
+    """Of a command that was stopped."""
+    if options is None or options.cues or options.measure:
+        return "nothing is kept, and the same command begins again"
+    return "what was done is in the journal, and the same command goes on"
+
+
 def main(words):
     signal.signal(signal.SIGTERM, terminate)
+    options = None
     try:
         options = command_line.parser().parse_args(words)
         journal = command_line.check(options)
@@ -218,7 +226,7 @@ def main(words):
     except KeyboardInterrupt as stopped:
         # The one who started a worker says it for all.
         if "--task" not in words:
-            print("poise tune: stopped; what was done is in the journal, and the same command goes on", file=sys.stderr)
+            print(f"poise tune: stopped; {what_is_left(options)}", file=sys.stderr)
         return TERMINATED if isinstance(stopped, Terminated) else STOPPED
     return 0
 
