@@ -223,6 +223,60 @@ TEST(Tune, ShowsNoFigureOfACueWhereNoStateCounts) {
   EXPECT_TRUE(json::parse(contents(folder.file("cues.json"))).at("cues")[0].at("among").is_null());
 }
 
+TEST(Tune, MakesStatesByTheBaseAndMeasuresTheShippedPolicyBesideIt) {
+  const TemporaryFolder folder;
+  const std::string base = folder.file("fifo.json"), out = folder.file("rivals.json");
+  std::ofstream(base) << R"({"schema": "poise.policy/1", "name": "mine", "policy": {"kind": "fifo"}})";
+  const auto measured = [&](const std::vector<std::string>& more) {
+    const CommandResult result = poise_command(words({"tune", "jacks", "--bodies", "40", "--frames", "2", "--seeds",
+                                                      "1", "--measure", "--rivals", "fifo", "--quiet", "--out", out},
+                                                     more));
+    EXPECT_EQ(result.exit_code, 0) << result.error;
+    return json::parse(contents(out)).at("against_rivals");
+  };
+  const json shipped = measured({}), mine = measured({"--base", base});
+  ASSERT_EQ(shipped.at("against").size(), 1U);
+  ASSERT_EQ(mine.at("against").size(), 2U);
+  EXPECT_EQ(mine.at("against")[0].at("policy"), "shipped");
+  EXPECT_EQ(mine.at("against")[1].at("ratio"), 1.0) << "the base is that rival";
+  EXPECT_NE(mine.at("against")[0].at("E_seen"), mine.at("E_seen"));
+  EXPECT_NE(mine.at("against")[0].at("E_seen"), shipped.at("E_seen")) << "the states are those of another run";
+}
+
+TEST(Tune, CallsTheBaseOfASearchByItsName) {
+  POISE_SKIP_WITHOUT_OPTUNA();
+  const TemporaryFolder folder;
+  const std::string base = folder.file("base.json"), out = folder.file("mine.json");
+  std::ofstream(base) << R"({"schema": "poise.policy/1", "name": "b", "policy": {"touch": 0}})";
+  const CommandResult result = poise_command(
+      small_search({"--trials", "1", "--base", base, "--out", out, "--poise", pretender_of_touch(folder, 1)}));
+  ASSERT_EQ(result.exit_code, 0) << result.error;
+  const json against = json::parse(contents(out)).at("evidence").at("tuning").at("against");
+  EXPECT_EQ(against[0].at("policy"), "base");
+  EXPECT_EQ(against[1].at("policy"), "shipped");
+  EXPECT_EQ(against[2].at("policy"), "size");
+  EXPECT_NE(result.out.find("Too few states: fewer than 6 conclude nothing."), std::string::npos) << result.out;
+}
+
+TEST(Tune, RefusesABaseThatPoiseRefuses) {
+  const TemporaryFolder folder;
+  const std::string base = folder.file("base.json");
+  const std::pair<const char*, const char*> cases[] = {
+      {R"({"eccentricity": null})", "policy.eccentricity = null, must"},
+      {R"({"onset": -1})", "policy.onset = -1, must"},
+      {R"({"onset": "1"})", "policy.onset = \"1\", must"},
+      {R"({"learning": true})", "policy.learning = true, must"},
+      {R"({"kind": 3})", "policy.kind = 3, must"},
+      {R"({"size": [1]})", "policy.size"}};
+  for (const auto& [policy, message] : cases) {
+    std::ofstream(base) << R"({"schema": "poise.policy/1", "name": "b", "policy": )" << policy << "}";
+    const CommandResult result = poise_command({"tune", "jacks", "--bodies", "20", "--frames", "1", "--seeds", "1",
+                                                "--cues", "--quiet", "--base", base, "--out", folder.file("c.json")});
+    EXPECT_EQ(result.exit_code, 3) << result.error;
+    EXPECT_EQ(result.error.find("poise tune: " + base + ": " + message), 0U) << result.error;
+  }
+}
+
 TEST(Tune, MeasuresAPolicyAgainstItsRivals) {
   const TemporaryFolder folder;
   const std::string out = folder.file("rivals.json");
@@ -246,6 +300,7 @@ TEST(Tune, RefusesWhatItCannotDo) {
     std::string message;
   };
   std::ofstream(folder.file("list.json")) << "[]";
+  std::ofstream(folder.file("nan.json")) << R"({"policy": {"size": 1e999}})";
   const std::vector<Case> cases = {
       {{"--trials", "0"}, 2, "argument --trials: '0', must be a whole number from 1 to 100000"},
       {{"--jobs", "many"}, 2, "argument --jobs: 'many', must be a whole number from 1 to 256"},
@@ -270,6 +325,7 @@ TEST(Tune, RefusesWhatItCannotDo) {
       {{"--name", "\xff"}, 2, "--name: must be UTF-8"},
       {{"--base", folder.file("none.json")}, 3, "none.json: No such file"},
       {{"--base", folder.file("list.json")}, 3, "list.json: must be a policy file (poise.policy/1)"},
+      {{"--base", folder.file("nan.json")}, 3, "nan.json: must be a policy file (poise.policy/1)"},
       {{"--cues", "--budgets", "101%"}, 2, "--budgets: \"101%\", must be"},
       {{"--cues", "--from", "-1"}, 2, "--from"},
       {{"--measure", "--rivals", "best"}, 3, "jacks, seed 1: \"best\", must be of perceptual, fifo"}};

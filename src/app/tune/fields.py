@@ -13,6 +13,9 @@ SHIPPED = {"frustum": 1, "size": 1, "eccentricity": 1, "closing": 1, "waiting": 
            "hidden_visibility": 0.25, "outside_frustum": 0.05, "gap_scale_rad": 0.0029,
            "hysteresis_factor": 2}
 
+# The same as a policy: its weights are those of the scene.
+SHIPPED_POLICY = {"kind": "perceptual"}
+
 # The weights of E_seen (docs/reference.md) as far as cues can say them: where a search may begin.
 LIKE_THE_MEASURE = {"frustum": 1, "size": 2, "eccentricity": 2, "closing": 0, "waiting": 0, "occlusion": 1}
 

@@ -148,19 +148,20 @@ def _check_workers(options):
 
 
 def read_base(file):
-    """What the policy file says of the policy. poise reads it again and refuses what is out of range."""
+    """What the policy file says of the policy. poise reads it again and refuses what it may not say."""
     if file is None:
-        return {"kind": "perceptual"}
+        return dict(fields.SHIPPED_POLICY)
     try:
         with open(file, encoding="utf-8") as opened:
             policy = json.load(opened)["policy"]
+        json.dumps(policy, allow_nan=False)
     except OSError as failure:
         raise Refused(f"{file}: {failure.strerror}", BAD_INPUT) from failure
-    except (ValueError, KeyError, TypeError) as failure:
+    except (ValueError, KeyError, TypeError, RecursionError) as failure:
         raise Refused(f"{file}: must be a policy file (poise.policy/1) in JSON without comments", BAD_INPUT) from failure
     if not isinstance(policy, dict):
         raise Refused(f"{file}: policy, must be an object", BAD_INPUT)
-    return {"kind": "perceptual", **policy}
+    return {**fields.SHIPPED_POLICY, **policy}
 
 
 def is_special(path):

@@ -65,6 +65,16 @@ def tell(text):
         raise Refused(f"standard output: {failure.strerror}", OUTPUT_FAILED) from failure
 
 
+def observer_of(base):
+    """The policy of the runs that make the states: the base, which also observes what other cues ask for. What poise
+    refuses in the base it refuses here: it stays as it is."""
+    policy = dict(fields.OBSERVED)
+    for name, value in base.items():
+        number = isinstance(value, (int, float)) and not isinstance(value, bool)
+        policy[name] = max(value, fields.OBSERVED[name]) if name in fields.OBSERVED and number and value >= 0 else value
+    return {"schema": "poise.policy/1", "name": "observer", "policy": policy}
+
+
 class Work:
     """What a command needs while it runs: folder, runs that are to be ended, and how it was called."""
 
@@ -72,12 +82,10 @@ class Work:
         self.options, self.folder = options, folder
         self.base = command_line.read_base(options.base)
         self._groups = []
-        observer = os.path.join(folder, "observer.json")
-        with open(observer, "w", encoding="utf-8") as file:
-            json.dump({"schema": "poise.policy/1", "name": "observer", "policy": {**fields.OBSERVED, **{
-                name: max(value, fields.OBSERVED.get(name, value)) for name, value in self.base.items()
-                if not isinstance(value, str)}}}, file)
-        self._compare = ["--budgets", options.budgets, "--from", options.budget_from, "--from-policy", observer,
+        self._observer = os.path.join(folder, "observer.json")
+        with open(self._observer, "w", encoding="utf-8") as file:
+            json.dump(observer_of(self.base), file)
+        self._compare = ["--budgets", options.budgets, "--from", options.budget_from, "--from-policy", self._observer,
                          "--frames", str(options.frames), "--every", str(options.every), "--warmup",
                          str(options.warmup), "--history", str(options.history)]
         self._compare += ["--bodies", str(options.bodies)] if options.bodies else []
@@ -94,7 +102,12 @@ class Work:
                            tempfile.mkdtemp(dir=self.folder))
         self._groups.append(runs)
         self.say(f"making the states of {len(runs.runs)} runs")
-        runs.start()
+        try:
+            runs.start()
+        except served.RunFailed as failed:
+            # The file that the user knows: what is wrong in the observer is wrong in the base.
+            raise served.RunFailed(str(failed).replace(self._observer, self.options.base or "policy"),
+                                   failed.code) from failed
         return runs
 
     def end(self):
@@ -126,7 +139,7 @@ def measure_cues(work):
 def measure_base(work):
     o = work.options
     runs = work.runs(o.scenes, o.seeds)
-    group = rivals.measure(runs, None, work.base, o.rivals, o.seed, work.say)
+    group = rivals.measure(runs, work.base, rivals.rivals_of(o, work.base, False), o.seed, work.say)
     facts = work.facts(runs)
     write(o.out, {**facts, "schema": "poise.rivals/1", "policy": work.base, "against_rivals": group})
     if not o.quiet:
@@ -174,15 +187,16 @@ def write_policy(work, runs, policy, trials):
     """Measures the policy where it was searched and elsewhere, and writes it with what came of that."""
     o = work.options
     facts = work.facts(runs)
+    others = rivals.rivals_of(o, work.base, True)
     evidence = {**facts, "trials": trials, "search": o.search, "tuning": rivals.measure(
-        runs, policy, work.base, o.rivals, o.seed, work.say)}
+        runs, policy, others, o.seed, work.say)}
     tables = [rivals.table("searched on", evidence["tuning"], facts["budgets"], facts["budget_unit"])]
     groups = [("held_out_seeds", "held-out seeds of the same scenes", o.scenes)]
     if o.holdout:
         groups.append(("held_out_scenes", "held-out scenes", o.holdout))
     for name, title, scenes in groups:
         held_out = work.runs(scenes, o.holdout_seeds)
-        evidence[name] = rivals.measure(held_out, policy, work.base, o.rivals, o.seed, work.say)
+        evidence[name] = rivals.measure(held_out, policy, others, o.seed, work.say)
         tables.append(rivals.table(title, evidence[name], facts["budgets"], facts["budget_unit"]))
     name = o.name or os.path.basename(o.out).removesuffix(".json")
     write(o.out, {"schema": "poise.policy/1", "name": name, "policy": policy, "evidence": evidence})
