@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "app/command.h"
+#include "app/files/scene_files.h"
 #include "scene/temporary_folder.h"
 
 namespace poise::testing {
@@ -26,6 +27,12 @@ std::vector<std::string> small_search(const std::vector<std::string>& more) {
   return words({"tune", "jacks", "--bodies", "40", "--frames", "2", "--seeds", "1", "--holdout-seeds", "5", "--jobs",
                 "2", "--rivals", "size,oracle"},
                more);
+}
+
+std::string replaced(std::string text, const std::string& from, const std::string& to) {
+  const std::size_t at = text.find(from);
+  EXPECT_NE(at, std::string::npos) << from;
+  return at == std::string::npos ? text : text.replace(at, from.size(), to);
 }
 
 // Whether Python and Optuna are there: the command says so itself, before it looks for scenes.
@@ -131,6 +138,59 @@ std::string pretender_of_touch(const TemporaryFolder& folder, std::size_t states
 }
 
 constexpr const char* kHalf = "echo '{\"E_seen\": [[0.5]]}'";
+
+TEST(Tune, RefusesAJournalOfASceneThatHasChangedSince) {
+  POISE_SKIP_WITHOUT_OPTUNA();
+  const TemporaryFolder folder;
+  const std::string scene = folder.file("mine.scene.json"), out = folder.file("mine.json"), journal = out + ".journal";
+  const std::string text = contents(app::find_scene("jacks").value().string());
+  std::ofstream(scene) << text;
+  std::vector<std::string> command = small_search({"--trials", "1", "--out", out});
+  command[1] = scene;
+  ASSERT_EQ(poise_command(command).exit_code, 0);
+  ASSERT_EQ(poise_command(command).exit_code, 0) << "nothing has changed";
+  std::ofstream(scene) << text << "\n";
+  const CommandResult changed = poise_command(command);
+  EXPECT_EQ(changed.exit_code, 2);
+  EXPECT_NE(changed.error.find("--journal " + journal + ": the scene " + scene +
+                               ", or a file that it names, has changed since its study was made; name another file"),
+            std::string::npos)
+      << changed.error;
+  std::ofstream(scene) << text;
+  const std::string study = contents(journal);
+  std::ofstream(journal) << replaced(study, "\"program\": \"", "\"program\": \"other ");
+  EXPECT_NE(poise_command(command).error.find("its study has program = \"other "), std::string::npos);
+  for (const std::string member : {"program", "scene_hashes"}) {
+    std::ofstream(journal) << replaced(study, "\"" + member + "\"", "\"commit\"");
+    const CommandResult earlier = poise_command(command);
+    EXPECT_EQ(earlier.exit_code, 2);
+    EXPECT_NE(earlier.error.find("its study does not say its " + member + ": an earlier version has made it"),
+              std::string::npos)
+        << earlier.error;
+  }
+}
+
+TEST(Tune, RefusesStatesOfASceneThatChangedMeanwhile) {
+  const TemporaryFolder folder;
+  const CommandResult result = poise_command({"tune", "jacks", "--cues", "--quiet", "--out", folder.file("c.json"),
+                                              "--poise", pretender(folder, kHalf, 1, "t")});
+  EXPECT_EQ(result.exit_code, 3);
+  EXPECT_EQ(result.error, "poise tune: jacks: has changed since this command began\n");
+}
+
+// A run that has ended is started again, and would then answer of other states.
+TEST(Tune, RefusesToMakeTheStatesOfAChangedSceneAgain) {
+  POISE_SKIP_WITHOUT_OPTUNA();
+  const TemporaryFolder folder;
+  const std::string once = "touch '" + folder.file("begun") + "'; " + kHalf + "; exit";
+  const std::string hash = "'$(if [ -e '" + folder.file("begun") + "' ]; then echo t; else echo s; fi)'";
+  const CommandResult result = poise_command(
+      small_search({"--trials", "9", "--out", folder.file("mine.json"), "--poise", pretender(folder, once, 1, hash)}));
+  EXPECT_EQ(result.exit_code, 3);
+  EXPECT_NE(result.error.find("jacks: it or the program has changed since its states were made first"),
+            std::string::npos)
+      << result.error;
+}
 
 TEST(Tune, TellsATrialThatFailsAndGoesOn) {
   POISE_SKIP_WITHOUT_OPTUNA();
@@ -256,6 +316,45 @@ TEST(Tune, CallsTheBaseOfASearchByItsName) {
   EXPECT_EQ(against[1].at("policy"), "shipped");
   EXPECT_EQ(against[2].at("policy"), "size");
   EXPECT_NE(result.out.find("Too few states: fewer than 6 conclude nothing."), std::string::npos) << result.out;
+}
+
+TEST(Tune, TakesOneSeedOfScenesWithoutGeneratorsAndHoldsNoneOut) {
+  POISE_SKIP_WITHOUT_OPTUNA();
+  const TemporaryFolder folder;
+  const std::string out = folder.file("mine.json");
+  const CommandResult result = poise_command(
+      {"tune", "jacks", "--trials", "1", "--rivals", "size", "--out", out, "--poise", pretender(folder, kHalf, 0)});
+  ASSERT_EQ(result.exit_code, 0) << result.error;
+  const json evidence = json::parse(contents(out)).at("evidence");
+  EXPECT_EQ(evidence.at("tuning").at("runs").size(), 1U);
+  EXPECT_FALSE(evidence.contains("held_out_seeds"));
+  EXPECT_EQ(evidence.at("without_generators"), json({"jacks"}));
+  EXPECT_NE(result.out.find("Not among held-out seeds, since seeds move nothing without generators: jacks"),
+            std::string::npos)
+      << result.out;
+  EXPECT_NE(result.error.find("jacks has no generators"), std::string::npos) << result.error;
+}
+
+TEST(Tune, RefusesSeedsThatMoveNothingAndScenesUnderTwoNames) {
+  POISE_SKIP_WITHOUT_OPTUNA();
+  const TemporaryFolder folder;
+  const std::string jacks = app::find_scene("jacks").value().string();
+  const std::pair<std::vector<std::string>, std::string> cases[] = {
+      {{"two-body", "--seeds", "1,2"},
+       "--seeds: two-body has no generators: seeds move nothing in it, must be one seed"},
+      {{"two-body", "--seeds", "1,2", "--cues"}, "--seeds: two-body has no generators"},
+      {{"jacks", "two-body", "--holdout-seeds", "5,6"}, "--holdout-seeds: two-body has no generators"},
+      {{"jacks", "--holdout", "two-body", "--holdout-seeds", "5,6"}, "--holdout-seeds: two-body has no generators"},
+      {{"two-body", "--holdout-seeds", "5"},
+       "--holdout-seeds: two-body has no generators: seeds move nothing in it, and its states are those that are "
+       "searched on"},
+      {{"jacks", "--holdout", jacks}, "--holdout: " + jacks + " is the same scene as jacks"},
+      {{"jacks", jacks, "--measure"}, "SCENE: " + jacks + " is the same scene as jacks"}};
+  for (const auto& [options, message] : cases) {
+    const CommandResult result = poise_command(words(words({"tune"}, options), {"--out", folder.file("mine.json")}));
+    EXPECT_EQ(result.exit_code, 2) << message;
+    EXPECT_EQ(result.error.find("poise tune: " + message), 0U) << result.error;
+  }
 }
 
 TEST(Tune, RefusesABaseThatPoiseRefuses) {

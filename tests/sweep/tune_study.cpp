@@ -57,18 +57,19 @@ std::vector<std::string> StudyFolder::words(const std::vector<std::string>& opti
 
 std::vector<std::string> StudyFolder::slow_words(const std::vector<std::string>& options) const {
   const std::string program = file("pretender");
-  std::ofstream(program) << "#!/bin/sh\n"
-                            "case $1 in tune|job-array) exec '" POISE_COMMAND
-                            "' \"$@\" ;; esac\n"
-                            "echo '{\"bodies\": 1, \"states\": 1, \"budgets\": [50], \"budget_unit\": \"percent\", "
-                            "\"machine\": {}, \"build\": {\"commit\": \"a\"}}'\n"
-                            "while read -r line; do\n"
-                            "  while grep -qs frustum \"$line\" && [ -e '"
-                         << file("hold")
-                         << "' ]; do sleep 0.05; done\n"
-                            "  if [ -e \"$line\" ]; then set -- $(cksum <\"$line\"); else set -- 5; fi\n"
-                            "  echo \"{\\\"E_seen\\\": [[0.$1]]}\"\n"
-                            "done\n";
+  std::ofstream(program)
+      << "#!/bin/sh\n"
+         "case $1 in tune|job-array) exec '" POISE_COMMAND
+         "' \"$@\" ;; check) echo '{\"scene_hash\": \"s\", \"generators\": 1}'; exit ;; esac\n"
+         "echo '{\"bodies\": 1, \"states\": 1, \"budgets\": [50], \"budget_unit\": \"percent\", "
+         "\"machine\": {}, \"build\": {\"commit\": \"a\"}, \"scene_hash\": \"s\", \"program\": \"a\"}'\n"
+         "while read -r line; do\n"
+         "  while grep -qs frustum \"$line\" && [ -e '"
+      << file("hold")
+      << "' ]; do sleep 0.05; done\n"
+         "  if [ -e \"$line\" ]; then set -- $(cksum <\"$line\"); else set -- 5; fi\n"
+         "  echo \"{\\\"E_seen\\\": [[0.$1]]}\"\n"
+         "done\n";
   fs::permissions(program, fs::perms::owner_all);
   std::vector<std::string> all = words({"--poise", program});
   all.insert(all.end(), options.begin(), options.end());

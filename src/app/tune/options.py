@@ -77,9 +77,11 @@ def parser():
     what.add_argument("--cues", action="store_true", help="search nothing: measure what each cue is worth")
     what.add_argument("--measure", action="store_true", help="search nothing: measure the base policy against its rivals")
     p.add_argument("--holdout", metavar="SCENE", nargs="+", default=[], help="scenes to measure the result on")
-    p.add_argument("--seeds", metavar="N,N", type=_seeds, default=[1, 2], help="seeds of the scenes (default 1,2)")
-    p.add_argument("--holdout-seeds", metavar="N,N", type=_seeds, default=[11, 12],
-                   help="seeds to measure the result on, of all scenes (default 11,12)")
+    p.add_argument("--seeds", metavar="N,N", type=_seeds,
+                   help="seeds of the scenes (default 1,2; of scenes without generators 1)")
+    p.add_argument("--holdout-seeds", metavar="N,N", type=_seeds,
+                   help="seeds to measure the result on, of all scenes that have generators (default 11,12; of "
+                        "held-out scenes without generators 11)")
     p.add_argument("--trials", metavar="N", type=_whole(1, 100000), default=40,
                    help="trials of the study, those in the journal included (default 40)")
     p.add_argument("--jobs", metavar="N", type=_whole(1, 256),
@@ -212,6 +214,8 @@ def check(options):
     for scene in options.holdout:
         if scene in options.scenes:
             raise Refused(f"--holdout: {scene} is searched on; its held-out seeds are measured anyway")
+    options.seeds_given, options.holdout_seeds_given = options.seeds is not None, options.holdout_seeds is not None
+    options.seeds, options.holdout_seeds = options.seeds or [1, 2], options.holdout_seeds or [11, 12]
     both = sorted(set(options.seeds) & set(options.holdout_seeds))
     if both and not (options.cues or options.measure):
         raise Refused(f"--holdout-seeds: {both[0]} is searched on")

@@ -19,6 +19,16 @@ class WrongJournal(Exception):
     """The journal cannot be read, or holds a study of something else."""
 
 
+def _difference(name, known, value):
+    """What of a study's setup is not that of the command."""
+    if name not in known:
+        return f"its study does not say its {name}: an earlier version has made it"
+    if name == "scene_hashes":
+        changed = [scene for scene in value if known[name].get(scene) != value[scene]]
+        return f"the scene {', '.join(changed)}, or a file that it names, has changed since its study was made"
+    return f"its study has {name} = {json.dumps(known[name])}, not {json.dumps(value)}"
+
+
 class Study:
     """A study and this process as one of its workers. Ends exactly at the number of trials that is asked for, however
     many workers there are: a worker begins a trial only while those that are finished and those that run elsewhere
@@ -54,9 +64,9 @@ class Study:
             self.study.set_user_attr("setup", setup)
             return
         for name, value in setup.items():
-            if known.get(name) != value:
-                raise WrongJournal(f"--journal {journal}: its study has {name} = {json.dumps(known.get(name))}, not "
-                                   f"{json.dumps(value)}; name another file, or remove this one")
+            if name not in known or known[name] != value:
+                raise WrongJournal(f"--journal {journal}: {_difference(name, known, value)}; name another file, or "
+                                   "remove this one")
 
     def leave(self):
         self._workers.leave()

@@ -5,6 +5,8 @@ import json
 import os
 import subprocess
 
+from options import BAD_INPUT, Refused
+
 
 class RunFailed(Exception):
     """A run could not be made or ended before its answer; `code` is its exit code."""
@@ -28,13 +30,17 @@ class Run:
         self._child = None
 
     def start(self):
-        """Makes the states, unless they are there."""
+        """Makes the states, unless they are there. Refused: what they are of has changed since they were made first."""
         if self._child is not None and self._child.poll() is None:
             return
         # A session of its own, so that Ctrl-C is for the search alone, which then ends its runs.
         self._child = subprocess.Popen(self._command, stdin=subprocess.PIPE, stdout=subprocess.PIPE,
                                        stderr=subprocess.PIPE, text=True, start_new_session=True)
-        self.facts = self._read()
+        facts = self._read()
+        if self.facts and any(facts[name] != self.facts[name] for name in ("scene_hash", "program")):
+            self.end()
+            raise Refused(f"{self.scene}: it or the program has changed since its states were made first", BAD_INPUT)
+        self.facts = facts
 
     def ask(self, policy):
         """E_seen of each state and budget under a policy: its name, or a file."""

@@ -12,6 +12,7 @@ import cue_worth
 import fields
 import rivals
 import options as command_line
+import scenes as scenes_of
 import served
 from options import BAD_INPUT, BAD_USAGE, Refused
 
@@ -81,6 +82,7 @@ class Work:
     def __init__(self, options, folder):
         self.options, self.folder = options, folder
         self.base = command_line.read_base(options.base)
+        self.scenes = None
         self._groups = []
         self._observer = os.path.join(folder, "observer.json")
         with open(self._observer, "w", encoding="utf-8") as file:
@@ -95,10 +97,16 @@ class Work:
         if not self.options.quiet:
             print("poise tune: " + text, file=sys.stderr, flush=True)
 
+    def look_at_scenes(self):
+        """Before any work: refuses scenes and seeds that make no sense together."""
+        self.scenes = scenes_of.Scenes(self.options)
+
     def runs(self, scenes, seeds):
         """Runs whose states are made."""
-        runs = served.Runs([served.Run(self.options.poise, scene, seed, self._compare) for scene in scenes
-                            for seed in seeds], self.options.jobs,
+        for scene in self.scenes.without_generators(scenes):
+            self.say(f"{scene} has no generators: seeds move nothing in it, and one is enough")
+        runs = served.Runs([served.Run(self.options.poise, scene, seed, self._compare)
+                            for scene, seed in self.scenes.runs(scenes, seeds)], self.options.jobs,
                            tempfile.mkdtemp(dir=self.folder))
         self._groups.append(runs)
         self.say(f"making the states of {len(runs.runs)} runs")
@@ -108,6 +116,7 @@ class Work:
             # The file that the user knows: what is wrong in the observer is wrong in the base.
             raise served.RunFailed(str(failed).replace(self._observer, self.options.base or "policy"),
                                    failed.code) from failed
+        self.scenes.check_unchanged(runs.runs)
         return runs
 
     def end(self):
@@ -127,6 +136,7 @@ class Work:
 
 def measure_cues(work):
     o = work.options
+    work.look_at_scenes()
     runs = work.runs(o.scenes, o.seeds)
     rows = cue_worth.measure(runs, work.base, o.seed, work.say)
     write(o.out, {**work.facts(runs), "schema": "poise.cues/1", "policy": work.base, "runs": [
@@ -138,6 +148,7 @@ def measure_cues(work):
 
 def measure_base(work):
     o = work.options
+    work.look_at_scenes()
     runs = work.runs(o.scenes, o.seeds)
     group = rivals.measure(runs, work.base, rivals.rivals_of(o, work.base, False), o.seed, work.say)
     facts = work.facts(runs)
@@ -157,10 +168,13 @@ def tune(work, journal):
     o = work.options
     if o.ends_with_input:
         workers.end_with_input()
+    work.look_at_scenes()
     runs = work.runs(o.scenes, o.seeds)
     setup = {"scenes": o.scenes, "seeds": o.seeds, "budgets": o.budgets, "from": o.budget_from, "frames": o.frames,
              "every": o.every, "warmup": o.warmup, "history": o.history, "bodies": o.bodies, "polygons": o.polygons,
-             "base": work.base, "search": o.search, "build": runs.runs[0].facts["build"]["commit"]}
+             "base": work.base, "search": o.search,
+             "scene_hashes": {scene: work.scenes.hash_of(scene) for scene in o.scenes},
+             "program": runs.runs[0].facts["program"]}
     try:
         study = search.Study(optuna, journal, setup, o.search)
     except search.WrongJournal as wrong:
@@ -188,16 +202,21 @@ def write_policy(work, runs, policy, trials):
     o = work.options
     facts = work.facts(runs)
     others = rivals.rivals_of(o, work.base, True)
-    evidence = {**facts, "trials": trials, "search": o.search, "tuning": rivals.measure(
-        runs, policy, others, o.seed, work.say)}
+    fixed = work.scenes.without_generators(o.scenes)
+    evidence = {**facts, "trials": trials, "search": o.search, "without_generators": [
+        *fixed, *work.scenes.without_generators(o.holdout)], "tuning": rivals.measure(
+            runs, policy, others, o.seed, work.say)}
     tables = [rivals.table("searched on", evidence["tuning"], facts["budgets"], facts["budget_unit"])]
-    groups = [("held_out_seeds", "held-out seeds of the same scenes", o.scenes)]
-    if o.holdout:
-        groups.append(("held_out_scenes", "held-out scenes", o.holdout))
+    groups = [("held_out_seeds", "held-out seeds of the same scenes", work.scenes.with_generators(o.scenes)),
+              ("held_out_scenes", "held-out scenes", o.holdout)]
     for name, title, scenes in groups:
+        if not scenes:
+            continue
         held_out = work.runs(scenes, o.holdout_seeds)
         evidence[name] = rivals.measure(held_out, policy, others, o.seed, work.say)
         tables.append(rivals.table(title, evidence[name], facts["budgets"], facts["budget_unit"]))
+    if fixed:
+        tables.append(f"Not among held-out seeds, since seeds move nothing without generators: {', '.join(fixed)}\n")
     name = o.name or os.path.basename(o.out).removesuffix(".json")
     write(o.out, {"schema": "poise.policy/1", "name": name, "policy": policy, "evidence": evidence})
     if not o.quiet:
