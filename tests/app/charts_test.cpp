@@ -52,6 +52,19 @@ TEST(FrameChart, StacksTimesToTheirScaleAndMarksLateFrames) {
   EXPECT_EQ(pixel(marks[0].left + 4, marks[0].top + 4), kForecast);
 }
 
+TEST(FrameChart, CountsAndMarksNoLateFrameOfTheWarmUp) {
+  std::vector<simulation::RunFrame> frames{frame_of(8, MissCause::Forecast), frame_of(8, MissCause::Machine),
+                                           frame_of(8, MissCause::Forecast)};
+  frames[0].warm_up = frames[1].warm_up = true;
+  const app::BoxChart chart = app::frame_chart("pile", 5.0, frames);
+  const auto marks = std::ranges::count_if(
+      chart.boxes, [](const app::ChartBox& box) { return box.width == 8 && box.top == app::plot::kTop - 14; });
+  EXPECT_EQ(marks, 1);
+  const std::string svg = app::chart_svg(chart);
+  EXPECT_NE(svg.find("late, forecast: 1"), std::string::npos);
+  EXPECT_EQ(svg.find("late, machine"), std::string::npos);
+}
+
 TEST(FrameChart, ShowsTheSlowestOfManyFramesAndIsMadeOfNone) {
   std::vector<simulation::RunFrame> frames(100'000, frame_of(1));
   frames[77'777] = frame_of(1.5);

@@ -47,15 +47,19 @@ test("an empty cell of the table is no number, and no column is missing", () => 
 test("late frames are those that the table says, with their causes", () => {
   const late = lateFrames(
     parseFrames(
-      inventedFrames(60, [
-        [7, "machine"],
-        [41, "overrun"],
-      ]),
+      inventedFrames(
+        60,
+        [
+          [7, "machine"],
+          [41, "overrun"],
+        ],
+        8,
+      ),
     ),
   );
   assert.deepEqual(late, [
-    { index: 7, cause: "machine", late_ms: 4 },
-    { index: 41, cause: "overrun", late_ms: 4 },
+    { index: 7, cause: "machine", late_ms: 4, warmUp: true },
+    { index: 41, cause: "overrun", late_ms: 4, warmUp: false },
   ]);
 });
 

@@ -1,48 +1,10 @@
 // SPDX-License-Identifier: MIT
 // The page in a real browser, opened from disk.
 import assert from "node:assert/strict";
-import { after, before, test } from "node:test";
+import { test } from "node:test";
 
-import { chromiumPath, launch, openPage } from "./browser.mjs";
-import { withFolder, writePage } from "./page.mjs";
-import { coarseRun, inventedFrames, inventedRun, noCommand, smallRun } from "./sample.mjs";
-
-const skip = chromiumPath ? noCommand : "no Chromium is installed";
-const kLate = [
-  [7, "machine"],
-  [30, "overrun"],
-  [59, "infeasible"],
-];
-const invented = (more = {}) => ({
-  run: inventedRun(60, kLate),
-  frames: inventedFrames(60, kLate),
-  page: { command: "poise run heap --deadline 16" },
-  ...more,
-});
-
-let browser = null;
-before(async () => {
-  if (!skip) browser = await launch();
-});
-after(() => browser?.close());
-
-/** Opens a page of these parts for a test, and fails it if the console showed anything. */
-async function withPage(parts, use, options) {
-  await withFolder(async (folder) => {
-    const address = await writePage(folder, typeof parts === "function" ? await parts(folder) : parts);
-    const { page, errors, close } = await openPage(browser, address, options);
-    await page.waitForFunction(
-      () => document.getElementById("scene").textContent !== "Poise" || !document.getElementById("problem").hidden,
-    );
-    // Charts are made when their size is known.
-    await page.waitForFunction(
-      () => !window.poise || Object.values(window.poise.charts).every((chart) => chart.chart()),
-    );
-    await use(page, errors);
-    assert.deepEqual(errors, []);
-    await close();
-  });
-}
+import { invented, kLate, skip, withPage } from "./report_page.mjs";
+import { coarseRun, inventedFrames, smallRun } from "./sample.mjs";
 
 /** A run with a replay whose table names late frames where we want them. */
 const replayed = async (folder) => {
@@ -107,38 +69,6 @@ for (const theme of ["light", "dark"]) {
     ),
   );
 }
-
-test("late frames are marked above their bars, in the colour of their cause", { skip }, () =>
-  withPage(invented(), async (page) => {
-    const found = await page.evaluate(() => {
-      const { charts } = window.poise;
-      const u = charts["frame-time"].chart();
-      const { width, height } = u.ctx.canvas;
-      const { data } = u.ctx.getImageData(0, 0, width, height);
-      const pixelAt = (x, y) => [...data.subarray(4 * (y * width + x), 4 * (y * width + x) + 4)];
-      return charts["frame-time"].drawn.marks.map(({ row, cause, x, y }) => ({
-        row,
-        cause,
-        pixel: pixelAt(Math.round(x * devicePixelRatio), Math.round(y * devicePixelRatio)),
-        expected: u.valToPos(row + 0.5, "x", true) / devicePixelRatio,
-        x,
-      }));
-    });
-    assert.deepEqual(
-      found.map(({ row, cause }) => [row, cause]),
-      kLate,
-    );
-    const colors = {
-      machine: [0x7a, 0x7a, 0x7a, 255],
-      overrun: [0xcc, 0x79, 0xa7, 255],
-      infeasible: [0xd5, 0x5e, 0x00, 255],
-    };
-    for (const mark of found) {
-      assert.deepEqual(mark.pixel, colors[mark.cause], mark.cause);
-      assert.ok(Math.abs(mark.x - mark.expected) < 0.5);
-    }
-  }),
-);
 
 test("pointing at any chart moves to the frame there", { skip }, () =>
   withPage(invented(), async (page) => {

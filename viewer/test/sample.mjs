@@ -57,8 +57,8 @@ export async function coarseRun(folder) {
   return { captures: [await readFile(file)] };
 }
 
-/** A table of frames of 10 ms each, but for late ones: pairs of frame and cause, 20 ms each. */
-export function inventedFrames(count, late) {
+/** A table of frames of 10 ms each, but for late ones: pairs of frame and cause, 20 ms each. The first may be warm-up. */
+export function inventedFrames(count, late, warmUp = 0) {
   const names = [
     "frame",
     "time_s",
@@ -93,7 +93,7 @@ export function inventedFrames(count, late) {
     return [
       frame,
       (frame + 1) / 60,
-      0,
+      frame < warmUp ? 1 : 0,
       isLate ? 1 : 0,
       causes.get(frame) ?? "none",
       total,

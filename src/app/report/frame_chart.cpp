@@ -31,6 +31,11 @@ ChartColor color_of(MissCause cause) {
   return kChartInk;
 }
 
+/// Why a frame counts as late; no figure includes the warm-up.
+MissCause counted_cause(const simulation::RunFrame& frame) {
+  return frame.warm_up ? MissCause::None : frame.report.cause;
+}
+
 double total_ms(const simulation::RunFrame& frame) { return ms(frame.report.times.total); }
 
 /// One frame that took very long must not press the others flat.
@@ -55,7 +60,7 @@ void stack_stages(const simulation::RunFrame& frame, double left, double width, 
 
 void mark_late_frames(std::span<const simulation::RunFrame> frames, BoxChart& chart) {
   for (std::size_t i = 0; i < frames.size(); ++i) {
-    const MissCause cause = frames[i].report.cause;
+    const MissCause cause = counted_cause(frames[i]);
     if (cause == MissCause::None) continue;
     const double middle = plot::x(chart, share_of_frame(static_cast<double>(i) + 0.5, frames.size()));
     chart.boxes.push_back({middle - 4, plot::kTop - 14, 8, 8, color_of(cause)});
@@ -69,7 +74,7 @@ void legend(std::span<const simulation::RunFrame> frames, BoxChart& chart) {
   at = plot::kLeft;
   for (const Cause& known : kCauses) {
     const auto late = std::count_if(frames.begin(), frames.end(),
-                                    [&](const auto& frame) { return frame.report.cause == known.cause; });
+                                    [&](const auto& frame) { return counted_cause(frame) == known.cause; });
     if (late == 0) continue;
     at = plot::legend_entry(chart, at, 1, known.color,
                             fmt::format("late, {}: {}", simulation::cause_name(known.cause), late));

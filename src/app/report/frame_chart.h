@@ -10,8 +10,8 @@
 
 namespace poise::app {
 
-/// Frame times against the deadline: stages stacked, a mark of the colour of its cause above each late frame. Where
-/// there are more frames than columns, a column is the slowest frame of its part of the run.
+/// Frame times against the deadline: stages stacked, a mark of the colour of its cause above each late frame but those
+/// of the warm-up. Where there are more frames than columns, a column is the slowest frame of its part of the run.
 BoxChart frame_chart(const std::string& scene, std::optional<double> deadline_ms,
                      std::span<const simulation::RunFrame> frames);
 

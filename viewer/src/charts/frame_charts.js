@@ -77,6 +77,7 @@ function stackSeries(frames, frame, parts) {
 export function frameTimeChart(frames, run) {
   const frame = overFrames(frames);
   const late = lateFrames(frames);
+  const counts = late.filter((miss) => !miss.warmUp);
   const total = frames.column("total_ms");
   const stages = kStages.map((stage) => ({
     label: stage,
@@ -91,7 +92,8 @@ export function frameTimeChart(frames, run) {
   // A deadline that is far above all frames is not shown: they would be flat.
   const shown = deadline !== null && deadline < 8 * slowest ? deadline : 0;
   const top = Math.max(1.12 * shown, Math.min(1.05 * slowest, 1.6 * p99));
-  const above = sorted.filter((value) => value > top).length;
+  const warmUp = frames.column("warm_up");
+  const above = total.filter((value, row) => value > top && !(warmUp[row] > 0)).length;
   const causes = kCauses.filter((cause) => late.some((miss) => miss.cause === cause));
   const drawn = { marks: [] };
   const description = {
@@ -101,17 +103,18 @@ export function frameTimeChart(frames, run) {
     height: 210,
     note:
       (deadline ? `${shown ? "Dashed: the" : "Far below the"} deadline of ${milliseconds(deadline)}. ` : "") +
-      (late.length > 0
-        ? `${counted(late.length, "late frame")} marked above. `
+      (counts.length > 0
+        ? `${counted(counts.length, "late frame")} marked above. `
         : deadline
           ? "No frame was late. "
           : "") +
+      (late.length > counts.length ? "Marks of the warm-up do not count. " : "") +
       (above > 0 ? `${counted(above, "frame")} beyond the top.` : ""),
     legend: [
       ...stages.map(({ label, color }) => ({ label, color, name: label })),
       { label: "total", color: "transparent", name: "total" },
       ...causes.map((cause) => ({
-        label: `${cause} (${late.filter((miss) => miss.cause === cause).length})`,
+        label: `${cause} (${counts.filter((miss) => miss.cause === cause).length})`,
         mark: markElement(cause),
         title: kCauseText[cause],
       })),

@@ -40,16 +40,17 @@ export const kCauseText = {
 };
 
 /**
- * The late frames: their positions in the table, and why.
- * @returns {{index: number, cause: string, late_ms: number}[]}
+ * The late frames: their positions in the table, and why. Those of the warm-up are marked, but no figure counts them.
+ * @returns {{index: number, cause: string, late_ms: number, warmUp: boolean}[]}
  */
 export function lateFrames(frames) {
   const miss = frames.column("miss");
   const cause = frames.column("cause");
   const late = frames.column("lateness_ms");
+  const warmUp = frames.column("warm_up");
   const found = [];
   for (let index = 0; index < frames.length; ++index) {
-    if (miss[index] === 1) found.push({ index, cause: cause[index], late_ms: late[index] });
+    if (miss[index] === 1) found.push({ index, cause: cause[index], late_ms: late[index], warmUp: warmUp[index] > 0 });
   }
   return found;
 }
