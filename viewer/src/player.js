@@ -9,6 +9,13 @@ const kThumb = 16; // width of the handle of a range input in Chromium and Firef
 /** Where the handle of the scrubber stands, in CSS pixels from its left edge. */
 export const scrubberX = (row, rows, width) => kThumb / 2 + ((width - kThumb) * row) / Math.max(1, rows - 1);
 
+/** The clock while a row is shown: it runs on, but starts anew at the row where someone has moved there. */
+export function clockAt(row, clock_s, time, dt_s) {
+  // A capture may leave frames out: a row lasts until the next one, however late that is.
+  const end_s = (time[row + 1] ?? time[row]) + 2 * dt_s;
+  return clock_s >= time[row] && clock_s < end_s ? clock_s : time[row];
+}
+
 /** Playing, stepping and scrubbing through the frames. */
 export function startPlayer({ store, frames, late, dt_s }) {
   const last = Math.max(0, frames.length - 1);
@@ -43,9 +50,8 @@ export function startPlayer({ store, frames, late, dt_s }) {
 
   const turn = (now) => {
     if (!store.get("playing")) return;
-    // Someone may have moved the frame meanwhile: go on from there.
     const row = store.get("row");
-    if (!(clock_s >= time[row] && clock_s < time[row] + 2 * dt_s)) clock_s = time[row];
+    clock_s = clockAt(row, clock_s, time, dt_s);
     clock_s += Math.min(0.25, (now - before) / 1000) * store.get("speed");
     before = now;
     let next = row;

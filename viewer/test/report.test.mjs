@@ -167,6 +167,19 @@ for (const theme of ["light", "dark"]) {
   );
 }
 
+test("the replay plays on where frames were left out", { skip }, () => {
+  const rows = inventedFrames(60, kLate).trim().split("\n");
+  // The 25 frames after the 20th. A turn of the player is at most 0.25 s, so none leaps over them.
+  const frames = [...rows.slice(0, 21), ...rows.slice(46)].join("\n") + "\n";
+  return withPage(invented({ frames }), async (page) => {
+    await page.evaluate(() => {
+      window.poise.player.goTo(17);
+      window.poise.store.set("playing", true);
+    });
+    await page.waitForFunction(() => window.poise.store.get("row") === 34 && !window.poise.store.get("playing"));
+  });
+});
+
 test("another colouring, other shapes and another camera change the picture", { skip }, () =>
   withPage(replayed, async (page) => {
     await page.evaluate(() => window.poise.player.goTo(70));
