@@ -28,6 +28,7 @@ export const kStateColor = {
   waiting: "#e69f00",
   paused: "#cc79a7",
   static: "#b8bdc4",
+  kinematic: "#009e73",
 };
 
 /** Seen, hidden, outside the picture. */

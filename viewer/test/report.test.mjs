@@ -189,6 +189,9 @@ test("another colouring, other shapes and another camera change the picture", { 
       sums.add((await drawnPixels(page)).sum);
       assert.ok((await page.textContent("#colors")).length > 3, `${color} has a legend`);
     }
+    await page.selectOption("#color", "state");
+    const states = await page.locator("#colors > span").allTextContents();
+    assert.deepEqual(states, ["static", "kinematic", "moving", "asleep", "waiting", "paused"]);
     // Without a deadline nothing is ranked: all are grey.
     assert.ok(sums.size >= 3, `${sums.size} pictures`);
     await page.selectOption("#show", "0");

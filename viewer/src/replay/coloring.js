@@ -37,8 +37,7 @@ export class Coloring {
   /** @param {{levels: number, topSpeed: number, bands: number[]}} scales */
   constructor(scales) {
     this.scales = scales;
-    this.stateColors = kStates.map((state) => rgbOf(kStateColor[state] ?? kNoValueColor));
-    this.stateColors[1] = rgbOf("#009e73"); // kinematic
+    this.stateColors = kStates.map((state) => rgbOf(kStateColor[state]));
     this.visibilityColors = kVisibilityColor.map(rgbOf);
     this.contactColors = kContactColor.map(rgbOf);
     this.bandColors = Array.from({ length: 256 }, (_, band) => (band === 0 ? kGrey : viridis(this.bandShare(band))));
@@ -136,7 +135,7 @@ export class Coloring {
       case "difference":
         return [...scale("0.1 mm", "1 m apart"), none("in one run only")];
       default:
-        return kStates.filter((state) => state in kStateColor).map((state) => swatch(kStateColor[state], state));
+        return kStates.map((state) => swatch(kStateColor[state], state));
     }
   }
 }
