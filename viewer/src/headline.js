@@ -2,13 +2,12 @@
 import { counted, milliseconds, number, percent, whole } from "./format.js";
 import { kCauses } from "./data/frames.js";
 
-/** What the run was asked to keep, in words. */
-function limitText(run) {
-  if (run.clock === "work") {
-    const budget = run.settings?.budget_work;
-    return budget === null || budget === undefined ? "unlimited refinement" : `${whole(budget)} work units a frame`;
-  }
-  return `a deadline of ${milliseconds(run.deadline_ms)}`;
+/** With how much refinement a run on the work clock went; a capture does not know. */
+function workText(run) {
+  const budget = run.settings?.budget_work;
+  if (budget === undefined) return "The work clock ran.";
+  const refinement = budget === null ? "unlimited refinement" : `${whole(budget)} work units a frame`;
+  return `The work clock ran, with ${refinement}.`;
 }
 
 function causesText(misses) {
@@ -31,20 +30,21 @@ export function onTime(run) {
   const misses = run.misses;
   const p99 = run.frame_ms ? `99\u00a0% of frames took at most ${milliseconds(run.frame_ms.p99)}` : "";
   if (run.clock === "work" || !misses || misses.count === null) {
-    return { mark: "none", title: "No deadline", text: `The work clock ran, with ${limitText(run)}. ${p99}.` };
+    return { mark: "none", title: "No deadline", text: p99 === "" ? workText(run) : `${workText(run)} ${p99}.` };
   }
+  const limit = `a deadline of ${milliseconds(run.deadline_ms)}`;
   const slow = `${p99}; the slowest ${milliseconds(run.frame_ms?.max)}.`;
   if (misses.count === 0) {
     return {
       mark: "good",
       title: "On time",
-      text: `All ${counted(misses.releases, "frame")} met ${limitText(run)}. ${slow}`,
+      text: `All ${counted(misses.releases, "frame")} met ${limit}. ${slow}`,
     };
   }
   return {
     mark: "bad",
     title: `${percent(misses.rate)} late`,
-    text: `${missedText(misses)} missed ${limitText(run)}. ` + `${causesText(misses)} ${slow}`,
+    text: `${missedText(misses)} missed ${limit}. ` + `${causesText(misses)} ${slow}`,
   };
 }
 

@@ -13,7 +13,7 @@ export function onTime(status) {
     return {
       mark: "good",
       title: "✓ On time",
-      text: `None of the last ${counted(frames, "frame")} was late: all met ${milliseconds(status.deadline_ms)}.`,
+      text: `None of the last ${counted(frames, "frame")} was late: all met their deadline.`,
     };
   const cause = kCauses.reduce((most, name) => ((status.late[name] ?? 0) > (status.late[most] ?? 0) ? name : most));
   return {
@@ -22,6 +22,9 @@ export function onTime(status) {
     text: `${whole(late)} of the last ${counted(frames, "frame")} were late, mostly: ${kCauseText[cause]}.`,
   };
 }
+
+/** Time and number of the frame that is shown. The run itself may be further. */
+export const clockText = (facts) => (facts ? `${facts.time_s.toFixed(2)} s   frame ${facts.frame}` : "");
 
 /** How deep contacts are refined, of `finest` levels beside the root sphere. */
 export function levelReached(recent, finest) {

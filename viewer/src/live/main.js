@@ -6,7 +6,7 @@ import { startTheme } from "../theme.js";
 import { Recent, startCharts } from "./charts.js";
 import { connect } from "./connection.js";
 import { startControls } from "./controls.js";
-import { showHeadline } from "./headline.js";
+import { clockText, showHeadline } from "./headline.js";
 import { startKeys } from "./keys.js";
 import { LiveCapture } from "./live_capture.js";
 import { LiveStage } from "./stage.js";
@@ -36,7 +36,7 @@ function showWords() {
   if (!live.status) return;
   showHeadline(live.status, recent, Math.max(0, ...capture.shapes.map((shape) => shape.levels.length - 1)));
   controls.show(live.status);
-  byId("clock").textContent = `${(capture.frames[0]?.time_s ?? 0).toFixed(2)} s   frame ${live.status.frame}`;
+  byId("clock").textContent = clockText(capture.frames[0]);
 }
 
 /** With the first frame there is something to draw. */
