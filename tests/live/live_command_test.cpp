@@ -72,6 +72,15 @@ TEST(LiveCommand, WarnsWhereOtherMachinesCanReachIt) {
   EXPECT_EQ(result.out.rfind("http://127.0.0.1:", 0), 0U);
 }
 
+TEST(LiveCommand, PrintsTheOneSpellingOfItsAddress) {
+  if (!page_is_built()) GTEST_SKIP() << "the page is not built";
+  const CommandResult result =
+      poise_command({"live", "two-body", "--frames", "1", "--quiet", "--address", "::ffff:127.0.0.1"});
+  EXPECT_EQ(result.exit_code, 0) << result.error;
+  EXPECT_EQ(result.error, "") << "no other machine reaches it";
+  EXPECT_EQ(result.out.rfind("http://127.0.0.1:", 0), 0U) << result.out;
+}
+
 TEST(LiveCommand, IsRefusedWhereTheAddressIsNotOfThisMachine) {
   if (!page_is_built()) GTEST_SKIP() << "the page is not built";
   // Of a range for documentation (RFC 5737).

@@ -95,13 +95,15 @@ int serve(const LiveOptions& options, const Scene& scene, const SceneRunOptions&
   return ended ? kExitDone : refuse("live", ended.error());
 }
 
-int live(const LiveOptions& options) {
-  if (!is_address(options.address)) {
+int live(LiveOptions options) {
+  const std::optional<std::string> address = plain_address(options.address);
+  if (!address) {
     return refuse_live(kExitBadUsage,
                        fmt::format("--address = {}, must be an IPv4 or IPv6 address as a number, such as "
                                    "127.0.0.1",
                                    options.address));
   }
+  options.address = *address;
   const Status sound = check_run_options(options.run);
   if (!sound) return refuse_live(kExitBadUsage, sound.error().message);
   const Result<std::string> page = read_live_page();

@@ -7,6 +7,7 @@
 
 #include <array>
 #include <cerrno>
+#include <cstring>
 #include <system_error>
 
 namespace poise::app {
@@ -21,10 +22,22 @@ bool equal(std::string_view a, std::string_view b) {
   return difference == 0;
 }
 
-/// An address with its port, as a URL has it.
-std::string with_port(std::string_view name, std::uint16_t port) {
-  return name.find(':') == std::string_view::npos ? fmt::format("{}:{}", name, port)
-                                                  : fmt::format("[{}]:{}", name, port);
+/// What browsers take a URL without a port to have, and leave out of `Host` and `Origin`.
+constexpr std::uint16_t kUsualPort = 80;
+
+/// The name or address in a `Host`, without port and brackets. None where the port is another one, and where brackets
+/// are missing or not those of an IPv6 address.
+std::optional<std::string_view> name_of(std::string_view host, std::uint16_t port) {
+  const std::string ending = fmt::format(":{}", port);
+  if (host.ends_with(ending)) {
+    host.remove_suffix(ending.size());
+  } else if (port != kUsualPort) {
+    return std::nullopt;
+  }
+  const bool is_wide = host.starts_with('[') && host.ends_with(']');
+  if (is_wide) host = host.substr(1, host.size() - 2);
+  if (is_wide != (host.find(':') != std::string_view::npos)) return std::nullopt;
+  return host;
 }
 
 }  // namespace
@@ -39,33 +52,40 @@ Result<std::string> random_token() {
   return text;
 }
 
-bool is_address(std::string_view text) {
+std::optional<std::string> plain_address(std::string_view text) {
   const std::string name(text);
-  in6_addr bytes{};
-  return ::inet_pton(AF_INET, name.c_str(), &bytes) == 1 || ::inet_pton(AF_INET6, name.c_str(), &bytes) == 1;
+  std::array<char, INET6_ADDRSTRLEN> plain{};
+  in_addr narrow{};
+  in6_addr wide{};
+  bool is_narrow = ::inet_pton(AF_INET, name.c_str(), &narrow) == 1;
+  if (!is_narrow && ::inet_pton(AF_INET6, name.c_str(), &wide) != 1) return std::nullopt;
+  if (!is_narrow && IN6_IS_ADDR_V4MAPPED(&wide)) {
+    constexpr std::size_t kBefore = sizeof(wide) - sizeof(narrow);
+    std::memcpy(&narrow, &wide.s6_addr[kBefore], sizeof(narrow));
+    is_narrow = true;
+  }
+  if (is_narrow) {
+    ::inet_ntop(AF_INET, &narrow, plain.data(), plain.size());
+  } else {
+    ::inet_ntop(AF_INET6, &wide, plain.data(), plain.size());
+  }
+  return plain.data();
 }
 
 bool is_loopback(std::string_view address) {
-  const std::string name(address);
-  in_addr bytes{};
-  constexpr std::uint32_t kFirstByte = 24, kLoopback = 127;
-  if (::inet_pton(AF_INET, name.c_str(), &bytes) == 1) return ntohl(bytes.s_addr) >> kFirstByte == kLoopback;
-  in6_addr wide{};
-  return ::inet_pton(AF_INET6, name.c_str(), &wide) == 1 && IN6_IS_ADDR_LOOPBACK(&wide);
+  const std::optional<std::string> plain = plain_address(address);
+  return plain && (plain->starts_with("127.") || *plain == "::1");
 }
 
 bool RequestCheck::knows_host(std::string_view host) const {
-  for (const std::string_view name : {std::string_view("127.0.0.1"), std::string_view("localhost"),
-                                      std::string_view("::1"), std::string_view(address_)}) {
-    if (host == with_port(name, port_)) return true;
-  }
+  const std::optional<std::string_view> name = name_of(host, port_);
+  if (!name) return false;
+  if (*name == "localhost") return true;
+  const std::optional<std::string> address = plain_address(*name);
+  if (!address) return false;
   // Bound to all addresses of the machine: any of them, but no name, which another's server may give it.
-  if (address_ != "0.0.0.0" && address_ != "::") return false;
-  const std::string ending = fmt::format(":{}", port_);
-  if (!host.ends_with(ending)) return false;
-  host.remove_suffix(ending.size());
-  if (host.starts_with('[') && host.ends_with(']')) host = host.substr(1, host.size() - 2);
-  return is_address(host);
+  const bool is_bound_to_all = address_ == "0.0.0.0" || address_ == "::";
+  return is_bound_to_all || *address == "127.0.0.1" || *address == "::1" || *address == address_;
 }
 
 RequestAnswer RequestCheck::answer(const RequestHead& head) const {

@@ -28,7 +28,7 @@ struct RequestHead {
 /// Decides on requests. Invariant: `token` has at least 32 characters.
 class RequestCheck {
  public:
-  /// `address`: what the server is bound to, as a number.
+  /// `address`: what the server is bound to, as plain_address() writes it.
   RequestCheck(std::string token, std::string address, std::uint16_t port)
       : token_(std::move(token)), address_(std::move(address)), port_(port) {}
   [[nodiscard]] RequestAnswer answer(const RequestHead& head) const;
@@ -40,9 +40,11 @@ class RequestCheck {
   std::uint16_t port_;
 };
 
+/// An IPv4 or IPv6 address as a number, the latter without brackets, in the one spelling that all of its spellings have
+/// in common: `0:0:0:0:0:0:0:1` is `::1`. An IPv4 address within IPv6 (`::ffff:127.0.0.1`) is that IPv4 address. None
+/// for anything else.
+std::optional<std::string> plain_address(std::string_view text);
 /// `127.0.0.0/8` and `::1`.
 bool is_loopback(std::string_view address);
-/// An IPv4 or IPv6 address as a number, the latter without brackets.
-bool is_address(std::string_view text);
 
 }  // namespace poise::app

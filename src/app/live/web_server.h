@@ -22,7 +22,7 @@ struct WebBytes {
 using WebMessage = std::shared_ptr<const WebBytes>;
 
 struct WebSettings {
-  std::string address = "127.0.0.1";  ///< as a number
+  std::string address = "127.0.0.1";  ///< as plain_address() writes it
   std::uint16_t port = 0;             ///< 0: any that is free
   std::string token;                  ///< the first part of each path
   std::string page;                   ///< HTML
