@@ -209,6 +209,23 @@ TEST(View, MakesThePageOfACaptureBesideIt) {
   EXPECT_EQ(embedded(contents(folder.file("both.html")), "poise-capture-b"), base64(contents(capture)));
 }
 
+TEST(View, RefusesACaptureWithoutFrames) {
+  const TemporaryFolder folder;
+  const std::string capture = folder.file("two.capture"), file = folder.file("a.capture");
+  ASSERT_EQ(poise_command({"run", "two-body", "--frames", "5", "--capture", capture, "--quiet"}).exit_code, 0);
+  const std::string whole = contents(capture);
+  // As a run leaves it that is killed in its first frames: header, shapes and bodies.
+  write(file, whole.substr(0, whole.find("FRAM")));
+  for (const std::vector<std::string>& captures : {std::vector{file}, {file, capture}, {capture, file}}) {
+    std::vector<std::string> words{"view", "--out", folder.file("a.html")};
+    words.insert(words.end(), captures.begin(), captures.end());
+    const CommandResult refused = poise_command(words);
+    EXPECT_EQ(refused.exit_code, 3);
+    EXPECT_NE(refused.error.find("a.capture: has no frames"), std::string::npos) << refused.error;
+    EXPECT_FALSE(std::filesystem::exists(folder.file("a.html"))) << "a page of nothing";
+  }
+}
+
 TEST(View, IsRefusedByFileAndRule) {
   const TemporaryFolder folder;
   const std::string file = folder.file("a.capture");

@@ -43,9 +43,10 @@ int view(const ViewOptions& options) {
   for (const std::string& capture : options.captures) {
     const Status sound = check_capture_file(capture);
     if (!sound) return refuse("view", sound.error());
-    // One that was cut short is shown up to there, but without its header there is nothing to show.
+    // One that was cut short is shown up to there, but without its header and a frame there is nothing to show.
     const Result<capture::CaptureReader> begins = capture::CaptureReader::open(capture);
     if (!begins) return refuse("view", begins.error());
+    if (begins.value().frames() == 0) return refuse("view", bad_input(capture + ": has no frames"));
   }
   const Result<std::string> page = read_report_template();
   if (!page) return refuse("view", page.error());
