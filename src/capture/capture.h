@@ -56,7 +56,7 @@ struct PackedContact {
 
 /// What a frame says beside its bodies. Times in 100 ns.
 struct FrameFacts {
-  std::uint64_t frame = 0;  ///< steps done; 0 is the start
+  std::uint64_t frame = 0;  ///< frames done; 0 is the start
   double time_s = 0;
   std::uint32_t left_out = 0;  ///< frames directly before this one that are not in the capture
   bool measured = false;       ///< a step was done: times and counts are its

@@ -20,7 +20,8 @@ struct LiveLoopSettings {
 };
 
 /// Steps a live run, with what `link` brings done between frames, and puts each frame into it. A frame for which it has
-/// no room is left out there, and counted. Returns the number of steps done. Refused: what the World refuses of a step.
+/// no room is left out there, and counted. Returns the number of frames done. Refused: what the World refuses of a
+/// step.
 Result<std::uint64_t> live_loop(LiveRun& run, LiveLink& link, const LiveLoopSettings& settings);
 
 }  // namespace poise::app

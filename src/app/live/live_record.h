@@ -23,7 +23,7 @@ struct LiveStatus {
   bool paused = false;
   std::uint64_t bodies = 0;        ///< dynamic ones
   std::uint64_t bodies_asked = 0;  ///< of which some are still to come or leave
-  std::uint64_t frame = 0;         ///< steps done
+  std::uint64_t frame = 0;         ///< frames done
   /// Of the last frames, at most kRecentFrames: late ones by cause (MissCause), on time at 0.
   std::array<std::uint32_t, 6> recent{};
   double speed = 0;            ///< simulated time over time, of the last frames; 0: unknown

@@ -28,7 +28,7 @@ struct DrawnBody {
 /// What a picture shows of a frame; a run and its capture give the same but for rounded poses.
 struct DrawnFrame {
   std::string scene;
-  std::uint64_t frame = 0;  ///< steps done
+  std::uint64_t frame = 0;  ///< frames done
   double time_s = 0;
   View view;                                       ///< of the scene's camera; not present without one
   std::array<double, 2> resolution_px{1280, 720};  ///< of the scene's camera

@@ -195,7 +195,7 @@ export class CaptureFile {
     return this.unpackedPairs.pairs;
   }
 
-  /** The last frame in the file at or before this number of steps; 0 if all are later. */
+  /** The last frame in the file at or before this number of frames; 0 if all are later. */
   indexAt(steps) {
     let low = 0;
     let high = this.frames.length;
