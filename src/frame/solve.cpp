@@ -399,6 +399,7 @@ solver::Convergence solve_contacts(const SolveInput& input, const IterationsAllo
                                    solver::ContactSolver& contact_solver, Velocities& velocities,
                                    parallel::Executor& executor) {
   solver::SolveSettings settings = input.settings();
+  settings.collide = input.manifolds.impacts;
   settings.point_iterations = allowed.most;
   settings.until = allowed.until;
   settings.repeated = allowed.repeated;

@@ -427,6 +427,7 @@ std::optional<Convergence> ContactSolver::Buffers::solve(const SplitSystem& syst
                      std::span<const PointLanes<T>>(all.manifold_points_of(blocks[i])), totals);
   };
   SubstepTerms<T> terms = terms_of<T>(settings, watch);
+  terms.relaxation = static_cast<T>(first_relaxation(system, settings, limit));
   stop.begin(settings, executor);
   Convergence ended;
   for (int substep = 0; substep < settings.substeps; ++substep) {

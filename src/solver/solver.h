@@ -53,6 +53,8 @@ struct SolveSettings {
   Stopping stopping;
   std::uint32_t point_iterations = kMaxPointIterations;  ///< limit for a substep, at their cost, but at least one
                                                          ///< iteration; unused where `stopping` converges
+  bool collide = false;  ///< bodies collide in this step: with the contact solver, iterations may be over-relaxed from
+                         ///< the first on
   /// With the contact solver: no iteration but the first of a substep is begun that is not likely to end by then, by
   /// the clock of the executor.
   std::optional<std::chrono::steady_clock::time_point> until = std::nullopt;
@@ -145,12 +147,16 @@ struct System {
 /// faster than gravity adds in a step gets one impulse lambda = (1 + e) v_c / K if the surfaces meet nearer to this
 /// step's start than to the next one's, with e = 0 where the rebound would be slower than that; one that meets later in
 /// the step and does not rebound is slowed so that it just touches. Rows with point contacts solve these one by one
-/// instead (DO eq. 1-3). Iterations are repeated while an impulse was needed, at most kImpactIterations times or as
-/// `stopping` says. Linear and angular momentum are conserved; energy never grows. Point contacts are solved in the
-/// first iteration only. Interlocked bodies may close at one contact point while the mean separates: a contact point
-/// that certainly penetrates and closes fast enough to rebound gets an impulse of its own. With friction an impulse
-/// lambda brings a tangential one, against the slip at the contact point and at most the coefficient times lambda.
+/// instead (DO eq. 1-3). Iterations are repeated while an impulse was needed, at most kImpactIterations times
+/// (kImpactIterationsOfFew where there are few rows) or as `stopping` says. Linear and angular momentum are conserved;
+/// energy never grows. Point contacts are solved in the first iteration only. Interlocked bodies may close at one
+/// contact point while the mean separates: a contact point that certainly penetrates and closes fast enough to rebound
+/// gets an impulse of its own. With friction an impulse lambda brings a tangential one, against the slip at the contact
+/// point and at most the coefficient times lambda.
 Convergence solve_impacts(const System& system, const SolveSettings& settings, parallel::Executor& executor);
-inline constexpr std::uint32_t kImpactIterations = 16;  ///< chosen: docs/response.md, "How many rounds of impacts"
+/// Chosen: docs/response.md, "How many rounds of impacts".
+inline constexpr std::uint32_t kImpactIterations = 16;
+inline constexpr std::uint32_t kImpactIterationsOfFew = 32;  ///< of at most kFewRows rows
+inline constexpr std::size_t kFewRows = 4096;
 
 }  // namespace poise::solver

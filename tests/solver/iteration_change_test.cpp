@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <initializer_list>
 
 #include "solver/contact_bench.h"
@@ -80,6 +81,31 @@ TEST(Rest, OnlyManyBodiesOfLikeMassesThatCollideAreIteratedPlainly) {
   };
   EXPECT_TRUE(of(1, 3));
   EXPECT_FALSE(of(1, 0)) << "at rest";
+}
+
+TEST(Rest, FewIterationsOfBodiesThatCollideAreNearerToTheEndWhereTheyAreOverRelaxed) {
+  const auto falling = [] {
+    Bench bench = columns(1);
+    for (std::size_t i = 1; i < bench.bodies.size(); ++i) bench.bodies[i].velocity_mps = Vec3(0, 0, -3);
+    return bench;
+  };
+  Bench exact = falling();
+  exact.settings.stopping = {1e-6, 100000};
+  ASSERT_TRUE(exact.solve().reached);
+  const auto error_mps = [&](bool collide, std::uint32_t iterations) {
+    Bench bench = falling();
+    bench.settings.collide = collide;
+    bench.settings.point_iterations = iterations * static_cast<std::uint32_t>(bench.points.size());
+    EXPECT_EQ(bench.solve().iterations, 2 * iterations);
+    double squares = 0;
+    for (std::size_t i = 0; i < bench.bodies.size(); ++i)
+      squares += (bench.bodies[i].velocity_mps - exact.bodies[i].velocity_mps).squaredNorm();
+    return std::sqrt(squares / static_cast<double>(bench.bodies.size()));
+  };
+  for (const std::uint32_t iterations : {1U, 2U, 4U})
+    EXPECT_LT(error_mps(true, iterations), error_mps(false, iterations)) << iterations;
+  EXPECT_NE(error_mps(true, kFewIterations), error_mps(false, kFewIterations));
+  EXPECT_EQ(error_mps(true, kFewIterations + 1), error_mps(false, kFewIterations + 1));
 }
 
 }  // namespace

@@ -305,7 +305,8 @@ class Rounds {
 
 Convergence solve_impacts(const System& system, const SolveSettings& settings, parallel::Executor& executor) {
   const Stopping& stopping = settings.stopping;
-  const std::uint32_t most = stopping.converges() ? stopping.max_iterations : kImpactIterations;
+  const std::uint32_t rounds = system.rows.size() <= kFewRows ? kImpactIterationsOfFew : kImpactIterations;
+  const std::uint32_t most = stopping.converges() ? stopping.max_iterations : rounds;
   Convergence ended{!stopping.converges(), 0};
   std::vector<RowActivation>& activations = system.scratch.activations;
   if (system.source == nullptr) {
@@ -320,16 +321,16 @@ Convergence solve_impacts(const System& system, const SolveSettings& settings, p
     ended.reached = true;
     return ended;
   }
-  Rounds rounds(system, settings);
+  Rounds solver(system, settings);
   for (std::uint32_t round = 1; round <= most; ++round) {
     ++ended.iterations;
-    const bool solved = rounds.go(round, executor);
+    const bool solved = solver.go(round, executor);
     if (!solved || (stopping.converges() && settled(system, stopping, &ContactRow::total_ns))) {
       ended.reached = true;
       break;
     }
   }
-  rounds.note_rebounds(ended.iterations, executor);
+  solver.note_rebounds(ended.iterations, executor);
   return ended;
 }
 

@@ -26,8 +26,12 @@ inline constexpr std::uint64_t kFewPoints = 256;
 inline constexpr double kLikeMasses = 4;
 
 /// From the second one on these iterations are over-relaxed (Young 1954): below 2 each change still lowers the energy
-/// that the contacts minimise. Chosen: docs/response.md, "Iterations of collisions".
+/// that the contacts minimise. Chosen, like the next: docs/response.md, "Over-relaxed iterations".
 inline constexpr double kCollisionRelaxation = 1.4;
+/// Where impacts have told that bodies collide, and iterations are at most so many a substep, all of them are: by this
+/// factor where not by the one above.
+inline constexpr double kImpactRelaxation = 1.2;
+inline constexpr std::uint32_t kFewIterations = 8;
 
 /// Have the two bodies of each pair masses that are alike?
 inline bool alike(const ContactSystem& system) {
@@ -69,6 +73,15 @@ inline IterationLimit limit_of(const ContactSystem& system, const SolveSettings&
 /// moved the bodies by then.
 inline IterationLimit of_collisions(const IterationLimit& mixed) {
   return {kMixedIterations - 1, kMixedIterations - 1, false, mixed.by_mean, true};
+}
+
+/// The factor of the first iteration of a substep.
+inline double first_relaxation(const ContactSystem& system, const SolveSettings& settings,
+                               const IterationLimit& limit) {
+  const bool relaxed = settings.collide && !limit.mixed && limit.most <= kFewIterations &&
+                       !settings.stopping.converges() && system.point_count > kFewPoints &&
+                       !settings.gravity_mps2.isZero(0);
+  return relaxed ? kImpactRelaxation : 1;
 }
 
 }  // namespace poise::solver
