@@ -170,6 +170,27 @@ TEST(ImportDraft, ThatIsRefusedLeavesAllAsItWas) {
   EXPECT_FALSE(std::filesystem::exists(folder.file("full-meshes")));
 }
 
+TEST(ImportDraft, OfWhichAMeshCannotBeWrittenLeavesTheOthersAsTheyWere) {
+  const TemporaryFolder folder;
+  const auto write = [&](const std::string& name, double length_m) {
+    const std::string shape = "<geom type='cylinder' size='1 ";
+    const auto draft = io::import_mjcf("<mujoco><worldbody>" + shape + std::to_string(length_m) + "'/>" + shape +
+                                           std::to_string(2 * length_m) + "'/></worldbody></mujoco>",
+                                       "m.xml", folder.path(), false);
+    return io::write_draft(draft.value(), {}, folder.file(name)).ok();
+  };
+  ASSERT_TRUE(write("s.json", 1));
+  const std::string first = contents(folder.file("s-meshes/cylinder-1.obj"));
+  const std::string scene = contents(folder.file("s.json"));
+  ASSERT_FALSE(first.empty());
+  const std::string second = folder.file("s-meshes/cylinder-2.obj");
+  ASSERT_TRUE(std::filesystem::remove(second));
+  std::filesystem::create_directory(second);
+  EXPECT_FALSE(write("s.json", 3));
+  EXPECT_EQ(contents(folder.file("s-meshes/cylinder-1.obj")), first);
+  EXPECT_EQ(contents(folder.file("s.json")), scene);
+}
+
 TEST(ImportGltf, MakesABodyOfEachNodeWithAMesh) {
   io::GltfImportSettings settings;
   settings.fixed = {"plank"};

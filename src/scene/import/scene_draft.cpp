@@ -10,8 +10,10 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 #include <set>
+#include <span>
 #include <system_error>
 #include <utility>
+#include <vector>
 
 #include "assets/files/atomic_file.h"
 #include "geometry/mesh/solids.h"
@@ -29,6 +31,8 @@ constexpr double kMostCoordinate_m = 1e9;
 constexpr double kLeastDiagonal_m = 1e-9;
 // As files of meshes are read (MeshReadOptions).
 constexpr double kWeldRelative = 1e-6;
+// A program may have a thousand files open.
+constexpr std::size_t kMeshesAtOnce = 256;
 
 std::string line_of(const DraftJson& json) { return json.dump(-1, ' ', false, DraftJson::error_handler_t::replace); }
 
@@ -361,6 +365,31 @@ class DraftWriter {
   std::string materials_, shapes_, bodies_;  ///< a line each; members of JSON objects are found one by one
 };
 
+struct MeshText {
+  fs::path file;
+  std::string text;
+};
+
+// A file replaces another only when kMeshesAtOnce of them, or all, have reached the system.
+Status write_meshes(std::span<const MeshText> meshes) {
+  for (std::size_t begin = 0; begin < meshes.size(); begin += kMeshesAtOnce) {
+    std::vector<geometry::AtomicFile> files;
+    for (const MeshText& mesh : meshes.subspan(begin, std::min(kMeshesAtOnce, meshes.size() - begin))) {
+      Result<geometry::AtomicFile> opened = geometry::AtomicFile::open(mesh.file);
+      if (!opened) return opened.error();
+      files.push_back(std::move(opened).value());
+      Status saved = files.back().write(mesh.text);
+      if (saved) saved = files.back().flush();
+      if (!saved) return saved;
+    }
+    for (geometry::AtomicFile& mesh : files) {
+      const Status named = mesh.commit();
+      if (!named) return named;
+    }
+  }
+  return Done{};
+}
+
 }  // namespace
 
 double volume_of(const DraftSolid& solid) {
@@ -402,9 +431,9 @@ Result<WrittenDraft> write_draft(const SceneDraft& draft, const DraftSettings& s
   WrittenDraft written;
   // Meshes of a scene that was there before stay as they are until all is known to be sound, and the scene to have
   // room.
-  std::vector<std::pair<fs::path, std::string>> meshes;
+  std::vector<MeshText> meshes;
   const auto save = [&](const fs::path& mesh, const std::string& text) {
-    meshes.emplace_back(mesh, text);
+    meshes.push_back({mesh, text});
     return Status(Done{});
   };
   const Result<std::string> text = draft_text(draft, settings, file, save, written);
@@ -413,15 +442,14 @@ Result<WrittenDraft> write_draft(const SceneDraft& draft, const DraftSettings& s
   if (!scene) return scene.error();
   Status saved = scene.value().write(text.value());
   if (saved) saved = scene.value().flush();
-  for (const auto& [mesh, obj] : meshes) {
-    if (!saved) break;
-    std::error_code failure;
-    fs::create_directories(mesh.parent_path(), failure);
-    saved = geometry::write_file(mesh, obj);
-  }
+  std::error_code failure;
+  const fs::path folder = meshes.empty() ? fs::path() : meshes.front().file.parent_path();
+  const bool is_new = saved && !meshes.empty() && fs::create_directories(folder, failure);
+  if (saved) saved = write_meshes(meshes);
   if (saved) saved = scene.value().commit();
-  if (!saved) return saved.error();
-  return written;
+  if (saved) return written;
+  if (is_new) fs::remove(folder, failure);  // unless something is in it
+  return saved.error();
 }
 
 }  // namespace poise::io

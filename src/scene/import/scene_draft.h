@@ -96,7 +96,8 @@ Result<std::string> draft_text(const SceneDraft& draft, const DraftSettings& set
 /// Writes the scene file, and beside it a folder STEM-meshes of the meshes that had to be made, if any. The scene file
 /// is written last. Refused: a mesh that read_mesh refuses, more triangles to be written than most_written or most_read
 /// to be read, a body of more than most_of_mesh, what cannot be written, a draft without bodies, what is no scene
-/// (parse_scene): then no scene file is written.
+/// (parse_scene): then no scene file is written, and files that were there before are as they were. Only of more than
+/// 256 mesh files some may have been replaced when another one cannot be written.
 Result<WrittenDraft> write_draft(const SceneDraft& draft, const DraftSettings& settings,
                                  const std::filesystem::path& file);
 
