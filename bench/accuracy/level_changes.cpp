@@ -219,7 +219,7 @@ Status jacks_change_levels(Context& context) {
                                  300,
                                  0,
                                  {{6e-3, 1, 0.1}, {8e-3, 2.4, 0.1}},
-                                 {{0.01, 3.4, 0.3}, {0.08, 4.2, 0.4}},
+                                 {{0.01, 3.4, 0.3}, {0.08, 4.2, 0.49}},
                                  {{1e-3, 0.2, 0.25}, {1e-3, 1.1, 0.25}}});
 }
 Status jacks_change_levels_with_friction(Context& context) {
@@ -233,12 +233,12 @@ Status meshes_change_levels(Context& context) {
                                  0,
                                  {{1e-3, 0.6, 0.1}, {1.7e-3, 1.6, 0.1}},
                                  {{0.13, 2.6, 0.1}, {0.2, 3.5, 0.12}},
-                                 {{3.3e-3, 1.3, 0.25}, {0.013, 1.35, 0.25}}});
+                                 {{4.5e-3, 1.3, 0.25}, {0.013, 1.35, 0.25}}});
 }
 Status meshes_change_levels_with_friction(Context& context) {
   return change_levels(
       context,
-      {"pile.json", 100, 0.5, {{}, {3e-3, 1, 0.1}}, {{}, {0.013, 3, 0.1}}, {{1e-3, 0.2, 0.25}, {1e-3, 0.3, 0.28}}});
+      {"pile.json", 100, 0.5, {{}, {3e-3, 1.5, 0.1}}, {{}, {0.013, 3, 0.1}}, {{1e-3, 0.2, 0.25}, {1e-3, 0.3, 0.28}}});
 }
 
 }  // namespace poise::accuracy
