@@ -316,7 +316,9 @@ struct ManyHeaps : Stage {
     plane(Vec3::UnitZ(), 0);
     const ShapeId shape = jack();
     for (int i = 0; i < 200; ++i) {
-      for (int k = 0; k < 4; ++k) add(shape, Vec3(20.0 * (i % 20), 20.0 * (i / 20), 0.8 + 1.3 * k));
+      // They slide, so that a step changes what rests too.
+      for (int k = 0; k < 4; ++k)
+        add(shape, Vec3(20.0 * (i % 20), 20.0 * (i / 20), 0.8 + 1.3 * k), 0.1 * Vec3::UnitX());
     }
   }
   static WorldSettings one_substep(int threads) {
