@@ -227,6 +227,9 @@ class World {
   /// breaks the triangle inequality, a plane that is not static. Mass and inertia of static and kinematic bodies have
   /// no effect. Wakes sleeping bodies near it.
   Result<BodyId> add_body(const BodyDefinition& definition);
+  /// What add_body would say of this body, which is not added: nothing changes. For batches of which all are to be
+  /// added or none.
+  [[nodiscard]] Status check_body(const BodyDefinition& definition) const;
   /// Removes a body; its handle becomes stale. Wakes its island and, for a static body, sleeping bodies near it.
   Status remove_body(BodyId body);
   [[nodiscard]] bool contains(BodyId body) const;

@@ -72,25 +72,27 @@ py::list add_bodies(WorldValue& world, const ShapeValue& shape, MaterialId mater
   const Column<double> velocities("velocity_mps", velocity_mps, 3, count);
   const Column<double> spins("angular_velocity_radps", angular_velocity_radps, 3, count);
   const Column<std::int64_t> values("user_data", user_data, 1, count);
-  std::vector<BodyId> added;
-  for (py::ssize_t i = 0; i < count; ++i) {
+  const auto go_to_row = [&](py::ssize_t i) {
     definition.position_m = {positions.at(i, 0), positions.at(i, 1), positions.at(i, 2)};
     if (const auto& o = orientations.rows)
       definition.orientation = {o->at(i, 0), o->at(i, 1), o->at(i, 2), o->at(i, 3)};
     if (const auto& v = velocities.rows) definition.velocity_mps = {v->at(i, 0), v->at(i, 1), v->at(i, 2)};
     if (const auto& w = spins.rows) definition.angular_velocity_radps = {w->at(i, 0), w->at(i, 1), w->at(i, 2)};
     if (values.rows) definition.user_data = static_cast<std::uint64_t>(values.rows->at(i));
-    const Result<BodyId> body = !values.rows || values.rows->at(i) >= 0
-                                    ? world.use().add_body(definition)
-                                    : bad_input("user_data = " + std::to_string(values.rows->at(i)) + ", must be >= 0");
-    if (!body) {
-      for (const BodyId one : added) check(world.use().remove_body(one));
-      raise({body.error().kind, "bodies[" + std::to_string(i) + "]." + body.error().message});
-    }
-    added.push_back(body.value());
+  };
+  // All are looked at before the first is added: a body that is taken away again leaves another state behind.
+  for (py::ssize_t i = 0; i < count; ++i) {
+    go_to_row(i);
+    const Status sound = !values.rows || values.rows->at(i) >= 0
+                             ? world.use().check_body(definition)
+                             : bad_input("user_data = " + std::to_string(values.rows->at(i)) + ", must be >= 0");
+    if (!sound) raise({sound.error().kind, "bodies[" + std::to_string(i) + "]." + sound.error().message});
   }
   py::list ids;
-  for (const BodyId body : added) ids.append(body);
+  for (py::ssize_t i = 0; i < count; ++i) {
+    go_to_row(i);
+    ids.append(taken(world.use().add_body(definition)));
+  }
   return ids;
 }
 

@@ -69,6 +69,17 @@ parallel::ExecutorSettings executor_settings(const WorldSettings& settings) {
   return executor;
 }
 
+/// The mass of a body that add_body takes; what it says of one that it refuses.
+Result<simulation::BodyMass> mass_if_sound(const simulation::WorldState& state, const BodyDefinition& definition) {
+  if (definition.shape.index >= state.shapes.size() || !state.shapes[definition.shape.index].shape)
+    return bad_input("shape: this World has no such shape");
+  if (definition.material.index >= state.materials.size() || state.material_removed[definition.material.index] != 0)
+    return bad_input("material: this World has no such material");
+  const Shape& shape = *state.shapes[definition.shape.index].shape;
+  if (auto bad = simulation::check_body(definition, shape)) return *bad;
+  return simulation::mass_of(definition, shape, state.materials[definition.material.index].density_kgpm3);
+}
+
 }  // namespace
 
 World::World(std::unique_ptr<simulation::WorldState> state) : state_(std::move(state)) {}
@@ -112,19 +123,17 @@ Result<MaterialId> World::add_material(const Material& material) {
   return MaterialId{static_cast<std::uint32_t>(state_->materials.size() - 1)};
 }
 
+Status World::check_body(const BodyDefinition& definition) const {
+  const Result<simulation::BodyMass> mass = mass_if_sound(*state_, definition);
+  if (!mass) return mass.error();
+  return Done{};
+}
+
 Result<BodyId> World::add_body(const BodyDefinition& definition) {
-  if (definition.shape.index >= state_->shapes.size() || !state_->shapes[definition.shape.index].shape)
-    return bad_input("shape: this World has no such shape");
-  if (definition.material.index >= state_->materials.size() ||
-      state_->material_removed[definition.material.index] != 0) {
-    return bad_input("material: this World has no such material");
-  }
-  const ShapePtr& shape = state_->shapes[definition.shape.index].shape;
-  if (auto bad = simulation::check_body(definition, *shape)) return *bad;
-  const Result<simulation::BodyMass> mass =
-      simulation::mass_of(definition, *shape, state_->materials[definition.material.index].density_kgpm3);
+  const Result<simulation::BodyMass> mass = mass_if_sound(*state_, definition);
   if (!mass) return mass.error();
 
+  const ShapePtr& shape = state_->shapes[definition.shape.index].shape;
   simulation::end_sliced_step(*state_);
   state_->settle();
   dynamics::BodyStore& bodies = state_->bodies;

@@ -78,12 +78,16 @@ TEST(World, RefusesEveryKindOfBadBodyAndStaysAsItWas) {
          b.velocity_mps.x() = 1;
        }},
   };
+  const std::uint64_t before = stage.world.state_hash();
   for (const Case& bad : cases) {
     BodyDefinition body = good;
     bad.spoil(body);
     EXPECT_NE(refusal_of(stage.world.add_body(body)).find(bad.says), std::string::npos)
         << refusal_of(stage.world.add_body(body)) << " should say " << bad.says;
+    EXPECT_EQ(refusal_of(stage.world.check_body(body)), refusal_of(stage.world.add_body(body)));
   }
+  EXPECT_TRUE(stage.world.check_body(good).ok());
+  EXPECT_EQ(stage.world.state_hash(), before);
   BodyDefinition plane = good;
   plane.shape = stage.world.add_shape(make_plane_shape(Vec3::UnitZ(), 0).value());
   EXPECT_NE(refusal_of(stage.world.add_body(plane)).find("a plane must be static"), std::string::npos);
