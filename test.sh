@@ -13,5 +13,4 @@ POISE_TESTS=ON "$root/cmake/build_release.sh" all
 cd -- "$root"
 progress=()
 if [[ -t 1 ]]; then progress=(--progress); fi
-# One more than processors: a few wait for a browser or a cluster most of the time.
-exec ctest --preset release --parallel "$(($(nproc) + 1))" "${progress[@]}" "$@"
+exec ctest --preset release --parallel "$(nproc)" "${progress[@]}" "$@"
